@@ -112,7 +112,7 @@ check: $(READY) check-explorer docs  ## formatting, lint, types, import layers, 
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/deptry .
-	$(BIN)/codespell rattle_kernels worker service rattle rattle_machine rattle_paper rattle_proof tests docs demo README.md CHANGELOG.md CONTRIBUTING.md SECURITY.md CITATION.cff
+	$(BIN)/codespell rattle_kernels worker service rattle rattle_machine rattle_notebook rattle_paper rattle_proof tests docs demo README.md CHANGELOG.md CONTRIBUTING.md SECURITY.md CITATION.cff
 
 bench: $(READY)  ## time kernels, assembly and panels; docs/performance.json and the table in docs/performance.md
 	$(BIN)/python -m pytest benchmarks -m '' --benchmark-columns=min,median,ops --benchmark-sort=name --benchmark-json=.benchmarks/run.json

@@ -1,15 +1,17 @@
 """Settings of the service: one class, read once, passed in. ``python -m service.settings`` prints them as a table."""
 
+import re
 import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from pydantic import Field, PositiveFloat, PositiveInt
+from pydantic import Field, PositiveFloat, PositiveInt, field_validator
 
 from service.logs import LogFormat
 from worker.cluster.settings import ClusterSettings
 
+_ORIGIN = re.compile(r"https?://[\w.:*\[\]-]+")
 LOOPBACK = ("127.0.0.1", "::1", "localhost")
 
 
@@ -34,6 +36,11 @@ class Settings(ClusterSettings):
     trusted_proxies: str | None = Field(
         None,
         description="Addresses or networks of proxies, with commas, whose X-Forwarded-For tells a client's address",
+    )
+    framed_by: str | None = Field(
+        None,
+        description="Origins, with spaces, whose pages may show the explorer in a frame, as at `/?embed=1`; none by "
+        "default",
     )
     log_format: LogFormat = Field(LogFormat.PLAIN, description="Format of the log: plain or json")
     log_level: Literal["debug", "info", "warning", "error"] = Field("info", description="Lowest level that is logged")
@@ -80,6 +87,13 @@ class Settings(ClusterSettings):
         2_000_000, description="Most points of a branch, or of an order of pre-images"
     )
     max_order: PositiveInt = Field(16, description="Highest order of pre-images of the grazing curve")
+
+    @field_validator("framed_by")
+    @classmethod
+    def _are_origins(cls, value: str | None) -> str | None:
+        if value is not None and not (value.split() and all(map(_ORIGIN.fullmatch, value.split()))):
+            raise ValueError("give origins with spaces between them, as in https://wiki.example.org")
+        return value
 
     @property
     def database(self) -> str:

@@ -19,6 +19,13 @@ _EXPLORER = (
 _PAGES = {"/": _EXPLORER, "/docs": _DOCS}
 
 
+def _policy_of(scope: Scope) -> str:
+    policy, framed_by = _PAGES.get(scope["path"], _NOTHING), scope["app"].state.settings.framed_by
+    if policy is _EXPLORER and framed_by is not None:
+        return policy.replace("frame-ancestors 'none'", f"frame-ancestors {framed_by}")
+    return policy
+
+
 class SecurityHeaders(OfHttp):
     """ASGI middleware that adds the security headers to every response.
 
@@ -35,7 +42,7 @@ class SecurityHeaders(OfHttp):
                 headers["x-content-type-options"] = "nosniff"
                 headers["referrer-policy"] = "no-referrer"
                 # A page that is a result says itself what it needs.
-                headers.setdefault("content-security-policy", _PAGES.get(scope["path"], _NOTHING))
+                headers.setdefault("content-security-policy", _policy_of(scope))
                 headers.setdefault("cache-control", "private, no-cache" if "etag" in headers else "no-store")
             await send(message)
 

@@ -96,6 +96,29 @@ class Jobs:
                     continue  # another replica has just recorded the same request: return that job
                 return record, True
 
+    def leave_store(self, job: Job) -> str:
+        """Record that a store is there whose job was cancelled: the next job of its request goes on from it.
+
+        Parameters
+        ----------
+        job : Job
+
+        Returns
+        -------
+        str
+            Name of the store, at which it has to be before that job is submitted.
+        """
+        with self._sessions() as session:
+            name = uuid.uuid4().hex
+            session.add(
+                JobRecord(
+                    id=name, kind=job.kind, digest=job.digest, state=JobState.CANCELLED, request=job.request(),
+                    submitter="local", created=_now(), places=job.cell_count, store=name,
+                )
+            )  # fmt: skip
+            session.commit()
+        return name
+
     def get(self, job_id: str) -> JobRecord:
         """Record by id.
 

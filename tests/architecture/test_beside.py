@@ -14,7 +14,7 @@ from tests.store_content import content
 
 ROOT = Path(__file__).parents[2]
 CORE = ("rattle_kernels", "worker", "service", "rattle")
-NAMED = re.compile(r"proof|(un)?\bprov(e|en|es|ing)\b|rattle_(paper|machine)", re.IGNORECASE)
+NAMED = re.compile(r"proof|(un)?\bprov(e|en|es|ing)\b|rattle_(paper|machine|notebook)", re.IGNORECASE)
 EXCEPT = {
     "rattle/verbs.py": "the arguments of `rattle.basin` are written out, for editors and type checkers",
     "rattle/results/accessor.py": "`proven_quiet` is of the paper: a speed, known for every basin",
@@ -26,9 +26,10 @@ installed = metadata.entry_points
 def others(**wanted):
     found = installed(**wanted)
     ours = wanted.get("group", "").startswith("rattle.")
-    return [each for each in found if not each.value.startswith(("rattle_p", "rattle_machine"))] if ours else found
+    return [each for each in found if not each.value.startswith(("rattle_p", "rattle_machine", "rattle_notebook"))] if ours else found
 metadata.entry_points = others
 sys.modules["rattle_proof"] = sys.modules["rattle_paper"] = sys.modules["rattle_machine"] = None
+sys.modules["rattle_notebook"] = None
 """
 
 
@@ -87,7 +88,7 @@ for ask in (lambda: rattle.basin(cells=8, prove=True), lambda: rattle.BasinJob(p
         ask()
     except ValueError as error:
         print(error)
-assert not hasattr(rattle, "verify") and not hasattr(rattle, "pulses")
+assert not hasattr(rattle, "verify") and not hasattr(rattle, "pulses") and not hasattr(rattle, "explore")
 assert "tolerance" not in CliRunner().invoke(app, ["basin", "--help"]).output
 assert CliRunner().invoke(app, ["verify"]).exit_code == 2
 print(rattle.basin(cells=8, progress=False).rattle.complete)

@@ -22,7 +22,7 @@ for (const [name, request] of Object.entries({ impacts: REQUEST, springs: SPRING
     const seen = {
       job: "abc", panel: 2, request, view: { t0: 0.25, t1: 0.5, v0: 1, v1: 2 }, whole: { t0: 0, t1: 1, v0: 0, v1: 6 },
       layer: "step", palette: "paper", overlays: ["grazing", "saddles"], motions: [[0.5, 3], [0.125, 2]],
-      beside: null, part: 0.5, compare: "swipe", machine: null,
+      beside: null, part: 0.5, compare: "swipe", machine: null, highlight: "P(1,1,0)", embed: true,
     };
     assert.deepEqual(decode(encode(seen)), seen);
   });

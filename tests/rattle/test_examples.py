@@ -25,6 +25,7 @@ DOCUMENTED = (
     | {"rattle_proof.results.certificate": certificate}
     | {"rattle.pulses": rattle.pulses, "rattle.threshold": rattle.threshold}
     | {"rattle.tolerances": rattle.tolerances, "rattle.report": rattle.report}
+    | {"rattle.explore": rattle.explore}
 )
 
 

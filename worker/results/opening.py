@@ -98,7 +98,9 @@ def open_store(location: str | Path, storage_options: dict[str, Any] | None = No
     if "layout_version" not in dataset.attrs:
         raise StoreConflict(f"{location} is no store of this project")
     labelled, machine = _labelled(dataset), machine_of(json.loads(dataset.attrs["request"]))
-    return labelled if machine is None else machine.with_units(labelled)
+    opened = labelled if machine is None else machine.with_units(labelled)
+    opened.encoding["source"] = str(location)  # as xarray has it for files
+    return opened
 
 
 def machine_in(dataset: xr.Dataset) -> GearPair | MachineSeries | None:

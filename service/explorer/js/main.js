@@ -1,8 +1,9 @@
 /** The page: connects its parts. What is seen is one state: the request, the window, the look, the motions. */
 
 import { get, kindInWords, knowKinds, Refusal, Unreachable, whenKeyIsNeeded } from "./net/api.js";
+import { frame } from "./net/frame.js";
 import { Jobs } from "./jobs/jobs.js";
-import { ended } from "./jobs/life.js";
+import { ended, hasStore } from "./jobs/life.js";
 import { showCaption } from "./look/caption.js";
 import { firstOf, sameOscillator, Screen } from "./look/screen.js";
 import { by } from "./page/by.js";
@@ -11,6 +12,7 @@ import { askForKey } from "./page/login.js";
 import { attempt, inWords, say } from "./page/say.js";
 import { showState } from "./page/state.js";
 import { hasCells, Still } from "./page/still.js";
+import { listen, noteCompute, tell } from "./page/notebook.js";
 import { showTakeaway } from "./page/takeaway.js";
 import { Comparison } from "./panels/comparison.js";
 import { Diagrams } from "./panels/diagrams.js";
@@ -28,7 +30,7 @@ import { Marks } from "./plane/marks.js";
 import { Plane } from "./plane/plane.js";
 import { additions, knowAdditions, maskNames } from "./state/additions.js";
 import { decode, doubts, encode } from "./state/address.js";
-import { write } from "./state/entries.js";
+import { entries } from "./state/entries.js";
 import { stepsOf } from "./state/steps.js";
 import { axesOf, limitOf, same, viewOf } from "./state/window.js";
 import { setUpTheme } from "./page/theme.js";
@@ -42,7 +44,7 @@ const REST_MS = 350;
  * picture of what the form says. `offered`: what a link asks for, until something else is looked at. `doubts`: about the
  * address, in words. `asked`: addresses of all that was asked for.
  */
-const at = { request: null, edited: true, panel: 0, whole: { t0: 0, t1: 1, v0: 0, v1: 7 }, opening: {}, rest: 0, sliding: false, refused: false, offered: null, doubts: "", asked: new Set() };
+const at = { request: null, edited: true, panel: 0, whole: { t0: 0, t1: 1, v0: 0, v1: 7 }, opening: {}, embed: false, rest: 0, sliding: false, refused: false, offered: null, doubts: "", asked: new Set() };
 
 const plane = new Plane([{ canvas: by("plane"), marks: by("marks") }, { canvas: by("plane-kept"), marks: by("marks-kept") }], { moved, hovered: (place) => hover.at(place), picked: (place, second) => oscillatorAt(place) && motions.pick(place, second), whole: () => plane.go(at.whole) });
 const marks = new Marks(plane);
@@ -123,6 +125,7 @@ function ask(request) {
   [at.request, at.edited, at.panel, at.offered, at.doubts] = [request, false, 0, null, ""];
   at.asked.add(encode({ request }));
   remember(true);
+  noteCompute();
   jobs.ask(machine.named(request));
 }
 
@@ -222,7 +225,7 @@ function begun(job) {
 /** Draw a job as far as it is computed. */
 async function drawn(job, signal) {
   if (!hasCells(job)) {
-    if (ended(job) && job.progress && !charts[job.kind]) await still.show(job, signal);
+    if (ended(job) && hasStore(job) && !charts[job.kind]) await still.show(job, signal);
     return;
   }
   const picture = await screen.draw(job, signal);
@@ -287,6 +290,7 @@ function legend() {
   const highlighted = (highlight) => {
     plane.restyle({ highlight });
     legend();
+    remember(true);
   };
   showLegend(by("legend"), plane.picture, plane.look, highlighted, machine.scalesOf(screen.oscillator));
   comparison.showLegend({ label: by("kept-label"), place: by("kept-legend") }, highlighted);
@@ -317,20 +321,23 @@ function restyle(look) {
 /** Write what is seen to the address. */
 function remember(isNew) {
   if (at.opening) return;
-  const { layer, palette } = plane.look;
+  const { layer, palette, highlight } = plane.look;
   const job = at.edited || jobs.life.phase === "asking" ? null : jobs.job;
   const pictured = job && !hasCells(job) ? {} : { request: at.request, view: plane.view, whole: at.whole };
-  write(encode({ job: job?.id, panel: at.panel, layer, palette, overlays: overlays.names, motions: motions.startsOf(false), ...comparison.seen(motions.startsOf(true)), machine: machine.scalesOf(at.request?.oscillator ?? null) ? machine.written : null, ...pictured }), isNew);
+  const seen = { embed: at.embed, job: job?.id, panel: at.panel, layer, palette, highlight, overlays: overlays.names, motions: motions.startsOf(false), ...comparison.seen(motions.startsOf(true)), machine: machine.scalesOf(at.request?.oscillator ?? null) ? machine.written : null, ...pictured };
+  entries.write(encode(seen), isNew);
+  tell(seen, isNew);
   enableSteps();
 }
 
 /** Show what the address says; whether it says anything. */
 async function openAddress() {
-  const seen = (at.opening = decode(location.search));
-  at.doubts = doubts(location.search).join(" ");
-  const { job, request, panel, layer, palette } = seen;
-  at.panel = panel;
-  restyle({ layer, palette });
+  const seen = (at.opening = decode(entries.address));
+  at.doubts = doubts(entries.address).join(" ");
+  const { job, request, panel, layer, palette, highlight } = seen;
+  [at.panel, at.embed] = [panel, seen.embed];
+  document.documentElement.classList.toggle("embedded", at.embed);
+  restyle({ layer, palette, highlight });
   [by("layer").value, by("palette").value] = [layer, palette];
   overlays.choose(seen.overlays);
   try {
@@ -384,8 +391,13 @@ function start() {
     overlays.list(additions.map(({ mask }) => mask));
   });
   const offered = Promise.all([get("explorer/presets.json"), known]).then(([presets]) => examples.offer(presets));
-  addEventListener("popstate", () => attempt(() => open(known, offered)));
-  return open(known, offered);
+  const show = async () => {
+    await open(known, offered);
+    if (frame) remember(false);
+  };
+  entries.whenTurned(() => attempt(show));
+  listen({ show: () => attempt(show), compute: () => compute(form.request()) });
+  return show();
 }
 
 attempt(start);

@@ -11,7 +11,9 @@ from rattle.cli import app as rattle
 from service.records import keys as keys_module
 from service.records.engine import open_database
 from service.records.keys import Keys, KeyScope
+from service.settings import Settings
 from tests.service.idle_service import idle_service
+from worker.errors import InvalidSettings
 from worker.jobs.basin_job import basin_job
 from worker.stores.new_store import create_store
 
@@ -190,6 +192,19 @@ def test_answers_carry_headers_that_keep_browsers_from_misusing_them(open_servic
         assert "frame-ancestors 'none'" in headers["content-security-policy"]
         assert headers["cache-control"] == cache and "server" not in headers
     assert open_service.request("GET", f"/v1/jobs/{job.id}").headers["cache-control"] == "private, no-cache"
+
+
+def test_the_explorer_is_framed_by_those_alone_who_may(monkeypatch, tmp_path):
+    with idle_service(monkeypatch, tmp_path, framed_by="https://wiki.example.org http://localhost:*") as here:
+        policies = [here.request("GET", path).headers["content-security-policy"] for path in ("/", "/docs", "/v1/jobs")]
+    assert "frame-ancestors https://wiki.example.org http://localhost:*" in policies[0]
+    assert all("frame-ancestors 'none'" in policy for policy in policies[1:])
+
+
+@pytest.mark.parametrize("wrong", ["", "wiki.example.org", "https://a.org; script-src *", "https://a.org 'self'"])
+def test_what_may_frame_it_is_an_origin(wrong):
+    with pytest.raises(InvalidSettings, match="^framed_by: give origins with spaces between them"):
+        Settings(framed_by=wrong)
 
 
 def test_a_store_opens_with_a_key(service, tmp_path):

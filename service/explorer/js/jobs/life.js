@@ -37,6 +37,11 @@ export function ended(job) {
   return FINAL.includes(job.state);
 }
 
+/** Whether a job has a store: it has one once it has reported progress. One whose result was there already reports none. */
+export function hasStore({ state, progress }) {
+  return Boolean(progress) || state === "succeeded";
+}
+
 function phaseOf(job) {
   return ended(job) ? "ended" : "following";
 }

@@ -20,6 +20,29 @@ function machineIn({ transmission_error: orders, ...numbers }) {
   return `machine=rattle.GearPair(${fields.join(", ")})`;
 }
 
+/** An oscillator as Python makes it. @param {Oscillator} oscillator */
+function oscillatorIn({ model: _, harmonics, permanent_contact: rule, allow_no_quiet_solution: __, ...numbers }) {
+  const fields = Object.entries(numbers).map(([name, value]) => `${name}=${value}`);
+  if (rule === "one_rotation") fields.push("permanent_after=1.0");
+  if (harmonics?.length) fields.push(`harmonics=(${harmonics.map(({ order, amplitude, phase = 0 }) => `(${order}, ${amplitude}, ${phase}),`).join(" ")})`);
+  return `rattle.Oscillator(${fields.join(", ")})`;
+}
+
+const PARTS = {
+  oscillator: oscillatorIn, window: (window) => `(${window.join(", ")})`, departure: (departure) => `(${departure.join(", ")})`, solution: literal,
+};
+
+/**
+ * Python that leads the `widget` of a notebook from one view to the next.
+ * @param {Object<string, any>|null} before null at first
+ * @param {Object<string, any>} now
+ */
+export function linesBetween(before, now) {
+  if (before?.rest !== now.rest) return [`widget.address = ${literal(now.address)}`];
+  const changed = Object.keys(PARTS).filter((name) => JSON.stringify(before[name]) !== JSON.stringify(now[name]));
+  return changed.map((name) => `widget.${name} = ${now[name] === null ? "None" : PARTS[name](now[name])}`);
+}
+
 /**
  * Python for the request of a basin or a sweep.
  * @param {BasinRequest} request

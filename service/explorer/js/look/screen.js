@@ -1,7 +1,7 @@
 /** The pictures that are seen: previews of what is looked at, and the basins of jobs as they are computed. */
 
 import { Picture } from "../plane/picture.js";
-import { ended } from "../jobs/life.js";
+import { ended, hasStore } from "../jobs/life.js";
 import { Unreachable } from "../net/api.js";
 import { Latest } from "../net/latest.js";
 import { additions } from "../state/additions.js";
@@ -143,8 +143,7 @@ export class Screen {
 
   /** Draw a job as far as it is computed; its picture, or null while there is none. */
   async draw(job, signal) {
-    // A job has a store once it has reported progress.
-    if (!job.progress) return null;
+    if (!hasStore(job)) return null;
     const picture = this.opened ?? (await this.#open(job, signal));
     if (!picture || signal.aborted) return null;
     this.opened = picture;

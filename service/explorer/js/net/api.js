@@ -1,5 +1,7 @@
 /** The service's HTTP API: JSON in and out, readable errors, and the key, which is kept in this module's memory only. */
 
+import { frame } from "./frame.js";
+
 let key = "";
 /** @type {(wrong: string) => Promise<string>} */
 let askForKey = async () => "";
@@ -53,7 +55,7 @@ export async function send(path, options = {}) {
     const headers = { ...options.headers, ...(used && { authorization: `Bearer ${used}` }) };
     let answer;
     try {
-      answer = await fetch(path, { ...options, headers });
+      answer = await (frame?.fetch ?? fetch)(path, { ...options, headers });
     } catch (error) {
       if (error.name === "AbortError") throw error;
       throw new Unreachable();
@@ -79,6 +81,11 @@ export async function whole(read) {
     if (error.name === "AbortError") throw error;
     throw new Unreachable();
   }
+}
+
+/** Where an image finds a file of the page. A frame in a notebook has no addresses: it is fetched there. */
+export async function sourceOf(path) {
+  return frame ? URL.createObjectURL(await (await send(path)).blob()) : path;
 }
 
 /** Response to a GET, as JSON. */

@@ -1,7 +1,7 @@
 /** The buttons around the plane, the menus and the drawer. */
 
 import { by } from "./by.js";
-import { hasEarlier, hasLater } from "../state/entries.js";
+import { entries } from "../state/entries.js";
 import { listRecent } from "./recent.js";
 import { attempt } from "./say.js";
 
@@ -33,8 +33,8 @@ export function enableTools(on) {
 
 /** Let Back and Forward be pressed where they lead somewhere. */
 export function enableSteps() {
-  by("back").disabled = !hasEarlier();
-  by("forward").disabled = !hasLater();
+  by("back").disabled = !entries.hasEarlier;
+  by("forward").disabled = !entries.hasLater;
 }
 
 /**
@@ -48,8 +48,8 @@ export function enableSteps() {
  */
 export function setUpControls({ plane, jobs, restyle, whole, takeaway }) {
   by("cancel").addEventListener("click", () => jobs.cancel());
-  by("back").addEventListener("click", () => history.back());
-  by("forward").addEventListener("click", () => history.forward());
+  by("back").addEventListener("click", () => entries.turn(-1));
+  by("forward").addEventListener("click", () => entries.turn(1));
   by("in").addEventListener("click", () => plane.zoom(0.7));
   by("out").addEventListener("click", () => plane.zoom(1 / 0.7));
   by("whole").addEventListener("click", whole);

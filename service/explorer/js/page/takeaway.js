@@ -2,6 +2,7 @@
 
 import { pythonOf } from "../look/python.js";
 import { pathOf, send } from "../net/api.js";
+import { frame } from "../net/frame.js";
 import { windowText } from "../state/address.js";
 import { stepsOf } from "../state/steps.js";
 import { hasCells } from "./still.js";
@@ -94,14 +95,17 @@ export function showTakeaway(place, seen) {
     return button;
   }));
   const blocks = [];
-  if (job) {
+  // In a notebook nothing has an address.
+  if (job && !frame) {
     const zarr = new URL(job.links.zarr, location.href).href;
     blocks.push(...copyable("Zarr store", zarr), ...copyable("Python", `import rattle\nresult = rattle.open("${zarr}")\nresult.rattle.plot()`));
   }
   // A design is a list of machines, which Python would give in other words.
   if (request.grid && !request.sample && !request.design) blocks.push(...copyable("Python that computes it", pythonOf(request)));
+  blocks.push(...copyable("JSON", JSON.stringify(request, null, 1)));
+  place.replaceChildren(files, ...blocks);
+  if (frame) return;
   const url = new URL(pathOf(job ?? { kind: stepsOf(request).length ? "sweep" : "basin" }), location.href).href;
   const curl = `curl -X POST ${url} \\\n  -H 'content-type: application/json' \\\n  -d '${JSON.stringify(request)}'`;
-  blocks.push(...copyable("curl", curl), ...copyable("JSON", JSON.stringify(request, null, 1)));
-  place.replaceChildren(files, ...blocks);
+  place.append(...copyable("curl", curl));
 }

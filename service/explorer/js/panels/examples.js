@@ -1,5 +1,7 @@
 /** The paper's examples: a list, and small pictures of them. */
 
+import { sourceOf } from "../net/api.js";
+
 export class Examples {
   /**
    * @param {HTMLSelectElement} select
@@ -34,7 +36,9 @@ export class Examples {
 
   #pictured({ name, short, label }) {
     const button = Object.assign(document.createElement("button"), { type: "button", title: label });
-    button.append(Object.assign(document.createElement("img"), { src: `explorer/thumbnails/${name}.png`, alt: "", loading: "lazy" }), short);
+    const image = Object.assign(document.createElement("img"), { alt: "", loading: "lazy" });
+    sourceOf(`explorer/thumbnails/${name}.png`).then((source) => (image.src = source));
+    button.append(image, short);
     button.addEventListener("click", () => this.choose(name));
     const item = document.createElement("li");
     item.append(button);

@@ -53,6 +53,12 @@ function brightnesses({ speckle }, usual) {
   return [1, ...speckle.map((each) => each / speckle[usual])];
 }
 
+/** Whether a solution steps back behind the one that is highlighted, where that is there. */
+function isFaint(highlight, solutions, number) {
+  const keys = solutions.map((solution) => keyOf(solutions, solution.number));
+  return keys.includes(highlight) && highlight !== keyOf(solutions, number);
+}
+
 /** Which brightness of the speckle most cells of chaotic solutions have. */
 export function usualSpeckle({ solutions, speckle }, solution, group) {
   const chaotic = solutions.map(({ kind }) => kind.startsWith("chaotic"));
@@ -74,7 +80,7 @@ export function solutionPixels(outline, look, usual) {
   const table = new Int32Array(outline.solutions.length * brightness.length);
   const ground = channels(look.ground);
   for (const solution of outline.solutions) {
-    const faint = look.highlight !== null && look.highlight !== keyOf(outline.solutions, solution.number);
+    const faint = isFaint(look.highlight, outline.solutions, solution.number);
     brightness.forEach((factor, i) => {
       let rgb = channels(solution.colours[look.palette]);
       if (solution.kind.startsWith("chaotic")) rgb = brighter(rgb, factor);
@@ -112,7 +118,7 @@ export function texturesOf(outline, look) {
   if (!texture.some(Boolean)) return null;
   const ground = channels(look.ground);
   const ink = outline.solutions.map(({ number, colours }) => {
-    const faint = look.highlight !== null && look.highlight !== keyOf(outline.solutions, number);
+    const faint = isFaint(look.highlight, outline.solutions, number);
     const rgb = channels(inkOn(colours[look.palette]));
     return pixel(faint ? paler(rgb, ground, 0.86) : rgb);
   });

@@ -33,6 +33,8 @@ const MODELS = { "": "impacting", piecewise_linear: "piecewise_linear" };
  * @property {View|null} whole the window before zooming; null for that of the request
  * @property {string} layer
  * @property {string} palette
+ * @property {boolean} embed whether the page is in a frame of another, and shows no head
+ * @property {string|null} highlight name of the motion that is highlighted
  * @property {string[]} overlays names of those that are on
  * @property {number[][]} motions departures (t, v) that are followed
  * @property {Partial<Seen>|null} beside what is kept beside it, without a view of its own
@@ -211,6 +213,8 @@ export function decode(search) {
     palette: knownOr("palette", query.get("palette")),
     overlays: (query.get("overlays") ?? usualOverlays()).split(",").filter(isOverlay),
     motions,
+    highlight: query.get("highlight"),
+    embed: query.has("embed"),
     beside: query.get("beside") ? decode(query.get("beside")) : null,
     part: partOf(query) ?? USUAL.part,
     compare: knownOr("compare", query.get("compare")),
@@ -223,7 +227,7 @@ export function decode(search) {
  * @param {Partial<Seen>} seen
  * @returns {string}
  */
-export function encode({ job, panel, request, view, whole, layer, palette, overlays, motions, beside, part, compare, machine }) {
+export function encode({ job, panel, request, view, whole, layer, palette, highlight, embed, overlays, motions, beside, part, compare, machine }) {
   const fields = [];
   if (job) fields.push(["job", job]);
   const numbers = machineText(machine ?? {});
@@ -236,6 +240,8 @@ export function encode({ job, panel, request, view, whole, layer, palette, overl
   if (layer && layer !== USUAL.layer) fields.push(["layer", layer]);
   if (palette && palette !== USUAL.palette) fields.push(["palette", palette]);
   if (overlays && overlays.join(",") !== usualOverlays()) fields.push(["overlays", overlays.join(",")]);
+  if (embed) fields.push(["embed", "1"]);
+  if (highlight) fields.push(["highlight", highlight]);
   for (const motion of motions ?? []) fields.push(["motion", motion.map(short).join(",")]);
   if (beside) fields.push(["beside", encode(beside)]);
   if (beside && part !== undefined && part !== USUAL.part) fields.push(["part", short(part)]);
