@@ -11,7 +11,6 @@ export default [
       "no-unused-vars": ["error", { varsIgnorePattern: "^_", argsIgnorePattern: "^_" }],
       eqeqeq: ["error", "always", { null: "ignore" }],
       "prefer-const": "error",
-      "max-lines": ["error", 400],
     },
   },
   { files: ["service/api_page/show.js"], languageOptions: { globals: { ...globals.browser, SwaggerUIBundle: "readonly" }, sourceType: "script" } },

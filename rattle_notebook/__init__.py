@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 def explore(what: "xr.Dataset | Oscillator | GearPair | None" = None) -> "Explorer":
     """The explorer as a widget: sliders, plane, tooth and charts in an output of the notebook.
 
-    Its requests are answered by this process, which opens no port. Jobs run in processes of their own, and their results
-    are removed when this one ends.
+    Its requests are answered by this process, which opens no port. Jobs run in processes of their own; their results
+    are removed when this process ends.
 
     Parameters
     ----------

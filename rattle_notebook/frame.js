@@ -68,7 +68,9 @@ async function render({ model, el }) {
   let telling = false;
   /** Shows what Python says, once the page listens; until then it is kept. */
   let hear = null;
-  let unheard = model.get("address") ? {} : Object.fromEntries(told.map(([part, trait]) => [part, model.get(trait)]).filter(([, value]) => value));
+  // What was set before anything was seen; afterwards the address has it all.
+  const set = told.filter(([part]) => part !== "address").map(([part, trait]) => [part, model.get(trait)]);
+  let unheard = model.get("history").length ? {} : Object.fromEntries(set.filter(([, value]) => value));
   const say = (parts) => {
     if (hear) hear(parts);
     else Object.assign(unheard, parts);

@@ -11,7 +11,7 @@ from collections.abc import Coroutine, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
-import httpx
+import httpx2 as httpx
 
 from service.app import create_app
 from service.settings import Settings
@@ -104,7 +104,9 @@ class InProcess:
             name = jobs.leave_store(job)
             os.makedirs(self._results, exist_ok=True)
             os.symlink(os.path.abspath(location), result_location(self._results, name))
-        answer = self.ask("POST", f"/v1/{KINDS[job.kind].path}", {"content-type": "application/json"}, json.dumps(job.request()))
+        answer = self.ask(
+            "POST", f"/v1/{KINDS[job.kind].path}", {"content-type": "application/json"}, json.dumps(job.request())
+        )
         return str(json.loads(answer.body)["id"])
 
     def location_of(self, job_id: str) -> str:

@@ -2,7 +2,7 @@
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import anywidget
 import traitlets
@@ -50,7 +50,7 @@ class Explorer(anywidget.AnyWidget):
 
     _esm = Path(__file__).with_name("frame.js")
     _opening = traitlets.Dict().tag(sync=True)
-    _oscillator = traitlets.Dict(allow_none=True, default_value=None).tag(sync=True)
+    _oscillator: Any = traitlets.Dict(allow_none=True, default_value=None).tag(sync=True)
 
     address = traitlets.Unicode("").tag(sync=True)
     oscillator = traitlets.Instance(Oscillator, allow_none=True)
@@ -91,6 +91,13 @@ class Explorer(anywidget.AnyWidget):
         if window is not None and not (window[0] < window[1] and window[2] < window[3] and math.isfinite(sum(window))):
             raise traitlets.TraitError(f"a window is t0 < t1, v0 < v1, not {window}")
         return window
+
+    @traitlets.observe("address")
+    def _begun_anew(self, _: Any) -> None:
+        # An address holds all of a view. Once a page tells what is seen, it tells its parts as well.
+        if not self.history:
+            for part in ("oscillator", "window", "departure", "solution"):
+                setattr(self, part, None)
 
     @traitlets.observe("_oscillator")
     def _heard(self, change: Any) -> None:

@@ -26,7 +26,8 @@ installed = metadata.entry_points
 def others(**wanted):
     found = installed(**wanted)
     ours = wanted.get("group", "").startswith("rattle.")
-    return [each for each in found if not each.value.startswith(("rattle_p", "rattle_machine", "rattle_notebook"))] if ours else found
+    beside = ("rattle_p", "rattle_machine", "rattle_notebook")
+    return [each for each in found if not each.value.startswith(beside)] if ours else found
 metadata.entry_points = others
 sys.modules["rattle_proof"] = sys.modules["rattle_paper"] = sys.modules["rattle_machine"] = None
 sys.modules["rattle_notebook"] = None

@@ -7,7 +7,16 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("rattle_machine", "rattle_notebook", "rattle_paper", "rattle_proof", "rattle", "service", "worker", "rattle_kernels")
+PACKAGES = (
+    "rattle_machine",
+    "rattle_notebook",
+    "rattle_paper",
+    "rattle_proof",
+    "rattle",
+    "service",
+    "worker",
+    "rattle_kernels",
+)
 
 
 def lint_imports(folder):

@@ -27,7 +27,9 @@ def running(arguments, folder, ready):
             stderr=subprocess.STDOUT, env=os.environ | own,
         )  # fmt: skip
     try:
-        wait_until(f"{address}{ready} answers, see {log}", lambda: _answers(address + ready), lambda: _ended(process, log))
+        wait_until(
+            f"{address}{ready} answers, see {log}", lambda: _answers(address + ready), lambda: _ended(process, log)
+        )
         yield address
     finally:
         process.terminate()
@@ -47,7 +49,14 @@ def _ended(process, log):
 def write_notebook(path, *cells):
     """Write a Jupyter notebook with these cells."""
     written = [
-        {"cell_type": "code", "id": f"cell-{i}", "source": source, "metadata": {}, "outputs": [], "execution_count": None}
+        {
+            "cell_type": "code",
+            "id": f"cell-{i}",
+            "source": source,
+            "metadata": {},
+            "outputs": [],
+            "execution_count": None,
+        }
         for i, source in enumerate(cells)
     ]
     kernel = {"kernelspec": {"name": "python3", "display_name": "Python 3", "language": "python"}}

@@ -10,7 +10,16 @@ from packaging.metadata import Metadata
 import rattle
 from tests.distribution.conftest import ROOT, build
 
-PACKAGES = ("rattle_machine", "rattle_notebook", "rattle_paper", "rattle_proof", "rattle", "rattle_kernels", "service", "worker")
+PACKAGES = (
+    "rattle_machine",
+    "rattle_notebook",
+    "rattle_paper",
+    "rattle_proof",
+    "rattle",
+    "rattle_kernels",
+    "service",
+    "worker",
+)
 BESIDE = {
     "CHANGELOG.md",
     "CITATION.cff",

@@ -52,7 +52,9 @@ def test_it_is_answered_as_by_a_service(here):
 def test_each_message_is_answered_under_its_number(widget, monkeypatch):
     sent = []
     monkeypatch.setattr(widget, "send", lambda content, buffers: sent.append((content, buffers)))
-    widget._answer(widget, {"id": "a-1", "method": "GET", "path": "/explorer/kinds.json", "headers": {}, "body": None}, [])
+    widget._answer(
+        widget, {"id": "a-1", "method": "GET", "path": "/explorer/kinds.json", "headers": {}, "body": None}, []
+    )
     [(content, [body])] = sent
     assert (content["id"], content["status"]) == ("a-1", 200) and "basin" in json.loads(body)
 
@@ -99,7 +101,10 @@ def test_what_cannot_be_shown_says_why(here, tmp_path):
 def test_its_oscillator_is_that_of_the_page_and_the_other_way_round(widget):
     widget.oscillator = rattle.Oscillator(damping=0.7)
     assert widget._oscillator == {"model": "impacting", "damping": 0.7, "eccentricity": 0.1, "half_backlash": 0.6}
-    loose = {"model": "piecewise_linear", "damping": 0.5, "eccentricity": 0.3, "half_backlash": 0.6, "stiffness": 1000.0, "allow_no_quiet_solution": True}  # fmt: skip
+    loose = {
+        "model": "piecewise_linear", "damping": 0.5, "eccentricity": 0.3, "half_backlash": 0.6, "stiffness": 1000.0,
+        "allow_no_quiet_solution": True,
+    }  # fmt: skip
     told(widget, _oscillator=loose)
     assert widget.oscillator.is_loose and widget.oscillator.stiffness == 1000.0
     assert widget._oscillator == loose, "what the page has said is not corrected"
@@ -118,6 +123,16 @@ def test_what_is_no_view_is_refused(widget):
     with pytest.raises(ValueError, match="damping must be positive"):
         widget.oscillator = rattle.Oscillator(damping=-1)
     assert (widget.window, widget.departure) == ((0.25, 0.5, 1.0, 2.0), (0.5, 3.0))
+
+
+def test_an_address_that_is_set_before_anything_is_seen_holds_all_of_the_view(widget):
+    widget.oscillator, widget.solution = rattle.Oscillator(damping=0.7), "chaotic"
+    widget.address = "?damping=0.65"
+    assert (widget.oscillator, widget.solution) == (None, None)
+    widget.departure = (0.5, 3.0)
+    assert (widget.address, widget.departure) == ("?damping=0.65", (0.5, 3.0))
+    told(widget, history=["widget.address = ..."], address="?damping=0.6", departure=[0.25, 3.0], solution="chaotic")
+    assert (widget.departure, widget.solution) == ((0.25, 3.0), "chaotic")
 
 
 def test_without_its_parts_it_says_which_extra_has_them(monkeypatch):
