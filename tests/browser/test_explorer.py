@@ -455,3 +455,14 @@ def test_an_address_with_unknown_values_is_shown_without_them_and_says_so(explor
     expect(explorer.page.locator("#shown")).to_contain_text("δ = 0.55, ε = 0.09, β = 0.6")
     expect(explorer.page.locator("#standing")).to_contain_text("lacks half_backlash")
     expect(explorer.page).to_have_url(re.compile(r"half_backlash=0\.6"))
+    explorer.visit("?palette=bar").pictured("palette=bar").pictured("Compute refines it")
+    expect(explorer.page).to_have_url(re.compile(r"damping=0\.6"))
+    expect(explorer.page).not_to_have_url(re.compile("palette"))
+
+
+def test_a_link_that_is_refused_says_so_in_words_of_the_page(explorer):
+    explorer.forgiven += ("422",)
+    explorer.visit("?damping=-1&eccentricity=0.1&half_backlash=0.6&grid=0,1,0,7&cells=50,50&k=61")
+    explorer.pictured("There is no picture of what the request says.")
+    expect(explorer.page.locator("#verdict")).to_have_text("Damping δ: must be above 0.")
+    expect(explorer.page.locator("#state")).to_have_text("")

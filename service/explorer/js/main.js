@@ -280,8 +280,8 @@ function leave() {
 
 function previewFailed(error) {
   if (error.name === "AbortError") return;
-  // The form says why.
-  if (error instanceof Refusal && error.status === 422 && screen.moving) return refuse(true);
+  // The form says why; but not that a preview takes too long.
+  if (error instanceof Refusal && error.status === 422 && error.kind !== "limit-exceeded") return refuse(true);
   say(inWords(error), true);
   if (error instanceof Unreachable) form.doubt();
 }
@@ -375,8 +375,10 @@ async function open(known, offered) {
   if (await openAddress()) return;
   await offered;
   at.opening = {};
+  const { doubts: unread } = at;
   examples.choose(FIRST_EXAMPLE);
-  at.opening = null;
+  [at.opening, at.doubts] = [null, unread];
+  if (unread) remember(false);
 }
 
 function start() {

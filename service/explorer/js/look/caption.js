@@ -31,7 +31,7 @@ export function windowInWords({ t0, t1, v0, v1 }) {
  * @param {Job|null} job the job of the picture
  */
 export function standing(picture, edited, job, refused) {
-  if (picture && refused) return { words: "There is no picture of what the request says; this one is of the values above it.", kind: "edited" };
+  if (refused) return { words: `There is no picture of what the request says${picture ? "; this one is of the values above it" : ""}.`, kind: "edited" };
   if (!picture) return { words: "", kind: "none" };
   const { time, velocity } = picture.outline;
   const cells = `${time.cells} × ${velocity.cells} cells`;
