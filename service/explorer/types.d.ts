@@ -165,3 +165,8 @@ interface MotionEnd { kind: string; name: string | null; periods: number; impact
 interface Motion { start: Departure; shown: TimeHistory; departures: Departure[]; end: MotionEnd; ends: string; kept?: { oscillator: Oscillator } | null }
 
 interface Look { layer: string; palette: string; highlight: string | null; ground: string }
+
+/** What an address holds of a chart: the ranges that are seen, null for the whole, over which parameter, and its job. */
+interface SeenChart { parameter?: string; x: number[] | null; y: number[] | null; job?: string | null }
+
+interface SeenCharts { diagram: SeenChart | null; orbits: SeenChart | null; shares: SeenChart | null; power: SeenChart | null }

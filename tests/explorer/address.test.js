@@ -23,6 +23,10 @@ for (const [name, request] of Object.entries({ impacts: REQUEST, springs: SPRING
       job: "abc", panel: 2, request, view: { t0: 0.25, t1: 0.5, v0: 1, v1: 2 }, whole: { t0: 0, t1: 1, v0: 0, v1: 6 },
       layer: "step", palette: "paper", overlays: ["grazing", "saddles"], motions: [[0.5, 3], [0.125, 2]],
       beside: null, part: 0.5, compare: "swipe", machine: null, highlight: "P(1,1,0)", embed: true,
+      charts: {
+        diagram: { parameter: "damping", x: [0.55, 0.6], y: [2, 5], job: "ghi" }, orbits: { x: null, y: null, job: "jkl" },
+        shares: { x: [0.5, 0.6], y: [0, 0.5] }, power: null,
+      },
     };
     assert.deepEqual(decode(encode(seen)), seen);
   });
@@ -89,6 +93,19 @@ test("a partial address is completed: it shows the machine that it names", () =>
 
 test("a sweep of one value is none", () => {
   assert.equal(decode(encode({ request: REQUEST }) + "&vary=damping,0.6").request.vary, undefined);
+});
+
+test("a chart in an address needs a parameter that there is and ranges that rise; else it is left out, and told", () => {
+  const wrong = ["diagram=speed,0,1", "diagram=damping,0.6,0.5", "diagram=damping,0.5", "diagram=damping,a,b", "orbits=yes", "shares=0,1,1,0"];
+  for (const field of wrong) {
+    const { charts } = decode(`?${field}`);
+    assert.deepEqual([charts.diagram, charts.orbits, charts.shares], [null, null, null], field);
+    assert.ok(doubts(`?${field}`)[0].includes(field), field);
+  }
+  const search = "?diagram=phase_2,0,1&orbits=1&orbits_job=x&power=0.5,0.6,0,1";
+  assert.deepEqual(doubts(search), []);
+  assert.deepEqual(decode(search).charts.diagram, { parameter: "phase_2", x: [0, 1], y: null, job: null });
+  assert.deepEqual(decode(search).charts.orbits, { x: null, y: null, job: "x" });
 });
 
 test("nothing to say is no address", () => {

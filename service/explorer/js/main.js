@@ -56,12 +56,12 @@ const jobs = new Jobs({ changed: lifeChanged, begun, drawn });
 const motions = new Motions(by("history"), plane, marks, () => screen.wanted, () => remember(false));
 const hover = new Hover(plane, marks, oscillatorAt, (oscillator) => machine.scalesOf(oscillator), by("reading"));
 const overlays = new OverlayList(by("overlays"), plane, () => remember(false));
-const sweep = new Sweep(by("sweep"), openPanel);
+const sweep = new Sweep(by("sweep"), openPanel, () => remember(true));
 const still = new Still(by("still"));
 const comparison = new Comparison({ button: by("keep"), range: by("swipe"), side: by("side"), frame: by("frame") }, plane, { seen: keptHere, changed: keptChanged, ended: () => motions.forgetKept(), failed: previewFailed });
 const charts = {
-  orbits: new Orbits({ oscillator: () => screen.oscillator, colour: (name) => plane.paintOf(name).colour, pick: (departure) => motions.pick(departure, false, true) }),
-  bifurcation: new Diagrams({ oscillator: () => screen.oscillator, paint: (name) => plane.paintOf(name), turn: (name, value) => (form.set(name, value), compute(form.request())) }),
+  orbits: new Orbits({ oscillator: () => screen.oscillator, changed: remember, colour: (name) => plane.paintOf(name).colour, pick: (departure) => motions.pick(departure, false, true) }).panel,
+  bifurcation: new Diagrams({ oscillator: () => screen.oscillator, changed: remember, paint: (name) => plane.paintOf(name), turn: (name, value) => (form.set(name, value), compute(form.request())) }).panel,
 };
 const examples = new Examples(by("preset"), by("examples"), by("preset-note"), showExample);
 
@@ -210,7 +210,8 @@ function begun(job) {
     turn.show(screen.begin(job, at.panel));
   } else if (charts[job.kind]) {
     show(form.requestFor(job.request.oscillator));
-    attempt(() => charts[job.kind].show(job));
+    // What an address says of its chart comes with the other charts.
+    if (!at.opening?.charts?.[charts[job.kind].chart.name]) charts[job.kind].show(job);
   } else {
     screen.clear();
   }
@@ -251,7 +252,7 @@ function pictureChanged() {
   if (at.refused && sameOscillator(screen.oscillator, form.oscillator())) refuse(false);
   const mask = plane.picture?.masked?.mask;
   for (const name of maskNames()) overlays.offer(name, name === mask?.name);
-  charts.bifurcation.follow();
+  for (const chart of Object.values(charts)) chart.follow();
   form.price();
   legend();
   motions.told();
@@ -262,7 +263,6 @@ function pictureChanged() {
 /** Another oscillator is seen: the motions that are followed start where they did. */
 function turned() {
   overlays.forget();
-  charts.orbits.forget();
   motions.renew();
 }
 
@@ -312,7 +312,7 @@ function restyle(look) {
   plane.restyle({ ...look, ground: getComputedStyle(document.documentElement).getPropertyValue("--plot").trim() });
   legend();
   sweep.repaint(plane.picture, plane.look.palette);
-  if (charts.bifurcation.shown) charts.bifurcation.draw();
+  for (const chart of Object.values(charts)) chart.repaint();
   remember(false);
 }
 
@@ -324,10 +324,23 @@ function remember(isNew) {
   const { layer, palette, highlight } = plane.look;
   const job = at.edited || jobs.life.phase === "asking" ? null : jobs.job;
   const pictured = job && !hasCells(job) ? {} : { request: at.request, view: plane.view, whole: at.whole };
-  const seen = { embed: at.embed, job: job?.id, panel: at.panel, layer, palette, highlight, overlays: overlays.names, motions: motions.startsOf(false), ...comparison.seen(motions.startsOf(true)), machine: machine.scalesOf(at.request?.oscillator ?? null) ? machine.written : null, ...pictured };
+  const seen = { embed: at.embed, job: job?.id, panel: at.panel, layer, palette, highlight, overlays: overlays.names, motions: motions.startsOf(false), ...comparison.seen(motions.startsOf(true)), machine: machine.scalesOf(at.request?.oscillator ?? null) ? machine.written : null, charts: chartsSeen(), ...pictured };
   entries.write(encode(seen), isNew);
   tell(seen, isNew);
   enableSteps();
+}
+
+function chartsSeen() {
+  return { diagram: charts.bifurcation.seen, orbits: charts.orbits.seen, ...sweep.seen };
+}
+
+/** Show the charts below the plane that an address has. */
+async function openCharts(seen) {
+  sweep.look(seen);
+  for (const [kind, panel] of Object.entries(charts)) {
+    const { name } = panel.chart;
+    if (seen[name] || jobs.job?.kind !== kind) await panel.open(seen[name]);
+  }
 }
 
 /** Show what the address says; whether it says anything. */
@@ -353,6 +366,7 @@ async function openAddress() {
     motions.forget();
     for (const [i, [t, v]] of seen.motions.entries()) await motions.pick({ t, v }, i > 0, true);
     await comparison.open(seen, motions);
+    await openCharts(seen.charts);
   } finally {
     if (at.opening === seen) at.opening = null;
     enableSteps();

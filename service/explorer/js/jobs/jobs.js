@@ -1,7 +1,8 @@
 /** Carries out what the state machine of jobs says: submits, follows, withdraws, cancels. */
 
-import { get, pathOf, post, Refusal, send } from "../net/api.js";
+import { get, pathOf, post, Refusal } from "../net/api.js";
 import { follow } from "../net/follow.js";
+import { submit } from "../net/submit.js";
 import { inWords } from "../page/say.js";
 import { stepsOf } from "../state/steps.js";
 import { BEGINNING, ended, step } from "./life.js";
@@ -80,13 +81,7 @@ export class Jobs {
   async #submit({ request, turn }) {
     try {
       const { kind: _, ...body } = request;
-      const headers = { "content-type": "application/json" };
-      const path = pathOf({ kind: kindOf(request) });
-      const answer = await send(path, { method: "POST", headers, body: JSON.stringify(body) });
-      const job = await answer.json();
-      // The same request may belong to another client's job. Only a new job is ours to withdraw.
-      const mine = !ended(job) && Date.parse(job.created) >= Date.parse(answer.headers.get("date")) - 1000;
-      this.#take({ type: "accepted", turn, job, mine });
+      this.#take({ type: "accepted", turn, ...(await submit(pathOf({ kind: kindOf(request) }), body)) });
     } catch (error) {
       const after = error instanceof Refusal && error.status === 429 ? error.after : null;
       this.#take({ type: "refused", turn, message: `${inWords(error)}.`.replace("..", "."), after });

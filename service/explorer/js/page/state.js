@@ -11,6 +11,11 @@ export function showState({ phase, job, place, notice }, { progress, cancel }) {
     const { text, wrong } = stateInWords(job, place);
     say(text, wrong);
   } else say("");
+  showProgress(job, { progress, cancel });
+}
+
+/** Show how far a job is, and whether it can be cancelled. */
+export function showProgress(job, { progress, cancel }) {
   progress.hidden = !job || job.state !== "running" || !job.progress;
   if (!progress.hidden) {
     progress.max = job.progress.tiles_total;

@@ -7,6 +7,7 @@ import { windowText } from "../state/address.js";
 import { stepsOf } from "../state/steps.js";
 import { hasCells } from "./still.js";
 import { pictureOf } from "./photograph.js";
+import { asCsv, saveBlob } from "./save.js";
 import { attempt } from "./say.js";
 
 function copyable(title, text) {
@@ -27,19 +28,9 @@ function copyable(title, text) {
   return [heading, code];
 }
 
-function saveBlob(blob, name) {
-  const address = URL.createObjectURL(blob);
-  Object.assign(document.createElement("a"), { href: address, download: name }).click();
-  setTimeout(() => URL.revokeObjectURL(address), 1000);
-}
-
 /** A file of the service. A plain link could not carry the key. */
 async function fetched(path) {
   return (await send(path)).blob();
-}
-
-function asCsv(rows) {
-  return new Blob([rows.map((row) => row.join(",")).join("\n") + "\n"], { type: "text/csv" });
 }
 
 function historyCsv(motions) {
@@ -52,7 +43,7 @@ function historyCsv(motions) {
 
 function sharesCsv(picture) {
   const shares = picture.shares();
-  return asCsv([["solution", "share"], ...picture.outline.solutions.map(({ name, number }) => [`"${name}"`, shares[number]])]);
+  return asCsv([["solution", "share"], ...picture.outline.solutions.map(({ name, number }) => [name, shares[number]])]);
 }
 
 /** What the service's picture takes of what is seen. */

@@ -1,22 +1,22 @@
 /** Bifurcation diagrams of the oscillator that is seen: charts whose cursor is the slider of their parameter. */
 
-import { Chart } from "../charts/chart.js";
 import { reading } from "../charts/ticks.js";
-import { ended } from "../jobs/life.js";
-import { get, post } from "../net/api.js";
-import { follow } from "../net/follow.js";
+import { oscillatorInWords } from "../look/caption.js";
+import { sameOscillator } from "../look/screen.js";
+import { get } from "../net/api.js";
 import { by } from "../page/by.js";
-import { inWords } from "../page/say.js";
+import { harmonicParameters, NUMBERS, ONLY_IN, parameterInWords, valueIn, withValues } from "../state/oscillator.js";
 import { byMotion, markAt, NO_PERIOD } from "./branches.js";
+import { ChartPanel } from "./chart_panel.js";
 import { swatch } from "./swatch.js";
-import { harmonicParameters, NUMBERS, ONLY_IN, parameterInWords, valueIn } from "../state/oscillator.js";
 
 const VALUES = 300;
 // Periods of up to half as many impacts are seen.
 const KEPT = 24;
 const REACH = 0.15;
 const LISTED = 12;
-const DRAG_PIXELS = 6;
+/** A view of less than this part of the values that are there is computed anew. */
+const FEW = 0.5;
 /** Where a range ends that begins at 0. */
 const LITTLE = 0.02;
 
@@ -34,25 +34,156 @@ function around(parameter, value) {
   return [value * (1 - REACH), value * (1 + REACH)];
 }
 
+
+/**
+ * A diagram as it is shown: rows of the table of departures by motion, and how many impacts were kept.
+ * @typedef {import("./chart_panel.js").JobScene & {motions: Map<string, any[]>, kept: number}} DiagramScene
+ */
+
+function inWords(name, kept) {
+  return name === NO_PERIOD ? `no period within ${Math.floor(kept / 2)} impacts: chaos, or longer` : name;
+}
+
 export class Diagrams {
+  name = "diagram";
+  kind = "bifurcation";
+  path = "/v1/bifurcations";
+  offer = "Compute this diagram";
+  words = { label: "Bifurcation diagram", act: "Look at this value", does: "looks at the value of the marked point" };
+  note = "Each dot is a departure that lasts. Click to look at a value, drag a box to zoom; a narrow range is computed anew.";
+
   /**
-   * @param {object} page
-   * @param {() => Oscillator|null} page.oscillator that is seen
-   * @param {(name: string) => Paint} page.paint of a motion on the basin
-   * @param {(parameter: string, value: number) => void} page.turn look at another value
+   * @param {import("./chart_panel.js").Page & {
+   *   paint: (name: string) => Paint, turn: (parameter: string, value: number) => void
+   * }} page `paint`: of a motion on the basin; `turn`: look at another value
    */
   constructor(page) {
     this.page = page;
-    this.section = by("diagram");
-    this.note = by("diagram-note");
-    this.following = new AbortController();
-    /** @type {{parameter: string, range: number[], kept: number, motions: Map<string, any[]>}|null} */
-    this.shown = null;
-    new ResizeObserver(() => this.shown && this.draw()).observe(by("diagram-chart"));
+    this.panel = new ChartPanel(this, page);
+  }
+
+  /** @param {Partial<SeenChart>} wanted */
+  title({ parameter }) {
+    return `Bifurcation diagram over ${parameterInWords(parameter)}`;
+  }
+
+  /** @param {Oscillator} oscillator @param {SeenChart} wanted */
+  body(oscillator, { parameter, x: [start, stop] }) {
+    return { oscillator, vary: { parameter, start, stop, count: VALUES }, direction: "both", transient: 600, kept: KEPT };
+  }
+
+  /** @param {any} job */
+  wantedOf({ request: { vary } }) {
+    return { parameter: vary.parameter, x: [vary.values[0], vary.values.at(-1)], y: null };
+  }
+
+  /** @param {Job} job @param {SeenChart} wanted */
+  answers(job, { parameter, x }) {
+    const has = this.wantedOf(job);
+    return has.parameter === parameter && has.x[0] < x[1] && has.x[1] > x[0];
+  }
+
+  /** @param {import("./chart_panel.js").JobScene} scene @param {import("../charts/view.js").ChartView} view */
+  seenOf({ parameter, whole }, { x, y }) {
+    return { parameter, x, y: String(y) === String(whole.y) ? null : y };
+  }
+
+  /** @param {import("./chart_panel.js").JobScene} scene @param {Oscillator} seen */
+  isOf({ oscillator, parameter }, seen) {
+    return sameOscillator(withValues(oscillator, { [parameter]: 0 }), withValues(seen, { [parameter]: 0 }));
+  }
+
+  /**
+   * The part that is computed anew where few of the values are seen.
+   * @param {import("./chart_panel.js").JobScene} scene
+   * @param {import("../charts/view.js").ChartView} view
+   */
+  finer({ parameter, whole }, { x }) {
+    return x[1] - x[0] < FEW * (whole.x[1] - whole.x[0]) ? { parameter, x } : null;
+  }
+
+  picked({ x }) {
+    this.page.turn(/** @type {DiagramScene} */ (this.panel.shown).parameter, Number(x.toPrecision(6)));
+  }
+
+  /** @returns {Promise<DiagramScene>} */
+  async sceneOf(job) {
+    const { oscillator, kept } = job.request;
+    const { parameter, x } = this.wantedOf(job);
+    const [rows, named] = await Promise.all(["velocity", "impact_period"].map((name) => get(`${job.links.result}.json?table=${name}`)));
+    const motions = byMotion(rows, named);
+    const points = [...motions].flatMap(([name, rows]) => rows.map((row) => ({ x: row[parameter], y: row.velocity, name })));
+    const most = points.reduce((highest, { y }) => Math.max(highest, y), 1);
+    const symbol = parameterInWords(parameter);
+    const scene = {
+      id: job.id, job: job.id, oscillator, parameter, kept, motions, points, whole: { x, y: [0, 1.05 * most] },
+      title: `${this.title({ parameter })}. ${oscillatorInWords(oscillator, parameter)}`, file: `bifurcation-${job.id.slice(0, 8)}`,
+      xLabel: symbol, yLabel: "velocity v of departure",
+      words: (point, { x: [x0, x1], y: [y0, y1] }) =>
+        `${symbol} = ${reading(point.x, x1 - x0)}   v = ${reading(point.y, y1 - y0)}   ${inWords(point.name, kept)}`,
+      draw: (chart) => this.#draw(scene, chart),
+      table: () => [[parameter, "velocity", "motion"], ...points.map(({ x: value, y, name }) => [value, y, name])],
+      key: () => this.#painted(scene).map(({ name, colour, texture }) => ({ sign: swatch(colour, false, texture), name: inWords(name, kept) })),
+    };
+    return scene;
+  }
+
+  /** Its motions with their colours. What there is less of comes last, and lies on top. @param {DiagramScene} scene */
+  #painted({ motions }) {
+    const painted = [...motions].map(([name, rows]) => ({ name, rows, ...this.page.paint(name === NO_PERIOD ? "chaotic" : name) }));
+    return painted.sort((one, other) => other.rows.length - one.rows.length);
+  }
+
+  /** @param {DiagramScene} scene @param {import("../charts/chart.js").Chart} chart */
+  #draw(scene, chart) {
+    const [from, to] = chart.range;
+    for (const { name, rows, colour, texture } of this.#painted(scene)) {
+      const seen = rows.filter((row) => row[scene.parameter] >= from && row[scene.parameter] <= to);
+      const d = seen.map((row) => markAt(chart.x(row[scene.parameter]), chart.y(row.velocity), texture)).join("");
+      chart.add("path", { class: texture ? "points marks" : "points", d, stroke: colour, "data-motion": name });
+    }
+    this.#list(scene);
+    this.drawn = chart;
+    this.here = chart.add("path", { class: "here" });
+    this.value = chart.add("text", {});
+    this.#moveLine();
+  }
+
+  /** Name the colours under the chart, those that are seen at most values first. */
+  #list(scene) {
+    const key = scene.key();
+    const lines = key.slice(0, LISTED).map(({ sign, name }) => {
+      const line = Object.assign(document.createElement("span"), { className: "key" });
+      line.append(sign, name);
+      return line;
+    });
+    const more = key.length > LISTED ? [`and ${key.length - LISTED} more`] : [];
+    by("diagram-motions").replaceChildren(...lines, ...more);
+  }
+
+  /** Another picture is seen: offer what its oscillator has, and move the line to its value. */
+  follow() {
+    this.#parameters();
+    if (this.panel.shown && this.drawn) this.#moveLine();
+  }
+
+  #moveLine() {
+    const { drawn: chart, here, value: text } = this;
+    const oscillator = this.page.oscillator();
+    const value = oscillator && valueIn(oscillator, this.panel.shown.parameter);
+    const [[from, to], [bottom, top]] = [chart.range, chart.reach];
+    const inside = typeof value === "number" && value >= from && value <= to;
+    for (const mark of [here, text]) mark.setAttribute("visibility", inside ? "visible" : "hidden");
+    if (!inside) return;
+    const x = chart.x(value);
+    here.setAttribute("d", `M${x} ${chart.y(bottom)}V${chart.y(top)}`);
+    text.setAttribute("x", String(x + 4));
+    text.setAttribute("y", String(chart.y(top) + 12));
+    text.textContent = reading(value, to - from);
   }
 
   /** Offer a diagram over each parameter of the oscillator that is seen. */
-  #offer() {
+  #parameters() {
     const oscillator = this.page.oscillator();
     const parameters = oscillator ? parametersOf(oscillator) : [];
     if (String(parameters) === this.offered) return;
@@ -62,133 +193,8 @@ export class Diagrams {
       const button = Object.assign(document.createElement("button"), { type: "button", textContent: `Over ${symbol}` });
       button.title = `Bifurcation diagram over ${symbol}: which motions there are at each value`;
       button.dataset.diagram = parameter;
-      button.addEventListener("click", () => this.ask(parameter, around(parameter, valueIn(this.page.oscillator(), parameter))));
+      button.addEventListener("click", () => this.panel.ask({ parameter, x: around(parameter, valueIn(this.page.oscillator(), parameter)) }));
       return button;
     }));
-  }
-
-  /**
-   * Compute a diagram over a range of a parameter.
-   * @param {string} parameter
-   * @param {number[]} range
-   */
-  async ask(parameter, [start, stop]) {
-    const oscillator = this.page.oscillator();
-    if (!oscillator) return;
-    this.#begin(parameter);
-    try {
-      const vary = { parameter, start, stop, count: VALUES };
-      await this.show(await post("/v1/bifurcations", { oscillator, vary, direction: "both", transient: 600, kept: KEPT }));
-    } catch (error) {
-      this.note.textContent = inWords(error);
-    }
-  }
-
-  #begin(parameter) {
-    this.following.abort();
-    this.section.hidden = false;
-    by("diagram-title").textContent = `Bifurcation diagram over ${parameterInWords(parameter)}`;
-    this.note.textContent = "computing…";
-  }
-
-  /**
-   * Show the diagram of a job once it is computed.
-   * @param {any} job
-   */
-  async show(job) {
-    const { parameter, values } = job.request.vary;
-    this.#begin(parameter);
-    const { signal } = (this.following = new AbortController());
-    await follow(job, async (now) => {
-      if (!ended(now) || signal.aborted) return;
-      if (now.state !== "succeeded") {
-        this.note.textContent = now.error?.detail ?? "The diagram was cancelled.";
-        return;
-      }
-      const tables = ["velocity", "impact_period"].map((name) => get(`${now.links.result}.json?table=${name}`));
-      const [rows, named] = await Promise.all(tables);
-      if (signal.aborted) return;
-      this.shown = { parameter, range: [values[0], values.at(-1)], kept: job.request.kept, motions: byMotion(rows, named) };
-      this.draw();
-      this.note.textContent = "Each dot is a departure that lasts. Click to look at a value, drag over a range to compute it anew.";
-      this.section.scrollIntoView({ block: "nearest" });
-    }, (error) => (this.note.textContent = inWords(error)), signal);
-  }
-
-  /** Draw the diagram, with a line at the value that is seen. */
-  draw() {
-    const { parameter, range, motions } = this.shown;
-    const most = Math.max(...[...motions.values()].flat().map(({ velocity }) => velocity), 1);
-    const chart = new Chart(by("diagram-chart"), {
-      height: 240, x: range, y: [0, 1.05 * most], xLabel: parameterInWords(parameter), yLabel: "velocity v of departure",
-      label: `Velocities of departures that last, over ${parameterInWords(parameter)}`,
-    });
-    const painted = [...motions].map(([name, rows]) => ({ name, rows, ...this.#paintOf(name) }));
-    // What there is less of lies on top.
-    painted.sort((one, other) => other.rows.length - one.rows.length);
-    for (const { name, rows, colour, texture } of painted) {
-      const d = rows.map((row) => markAt(chart.x(row[parameter]), chart.y(row.velocity), texture)).join("");
-      const line = chart.add("path", { class: texture ? "points marks" : "points", d, stroke: colour, "data-motion": name });
-      line.append(Object.assign(document.createElementNS("http://www.w3.org/2000/svg", "title"), { textContent: name }));
-    }
-    this.#list(painted);
-    this.chart = chart;
-    this.here = chart.add("path", { class: "here" });
-    this.value = chart.add("text", {});
-    this.follow();
-    this.#listen(chart, range);
-  }
-
-  #paintOf(name) {
-    return this.page.paint(name === NO_PERIOD ? "chaotic" : name);
-  }
-
-  /** Name the colours under the chart, those that are seen at most values first. */
-  #list(painted) {
-    const none = `no period within ${Math.floor(this.shown.kept / 2)} impacts: chaos, or longer`;
-    const lines = painted.slice(0, LISTED).map(({ name, colour, texture }) => {
-      const line = document.createElement("span");
-      line.className = "key";
-      line.append(swatch(colour, false, texture), name === NO_PERIOD ? none : name);
-      return line;
-    });
-    const more = painted.length > LISTED ? [`and ${painted.length - LISTED} more`] : [];
-    by("diagram-motions").replaceChildren(...lines, ...more);
-  }
-
-  /** Offer what the oscillator that is seen has, and move the line to its value. */
-  follow() {
-    this.#offer();
-    const oscillator = this.page.oscillator();
-    const value = this.shown && oscillator && valueIn(oscillator, this.shown.parameter);
-    if (!this.chart || typeof value !== "number") return;
-    const [from, to] = this.shown.range;
-    const inside = value >= from && value <= to;
-    for (const mark of [this.here, this.value]) mark.setAttribute("visibility", inside ? "visible" : "hidden");
-    const x = this.chart.x(value);
-    this.here.setAttribute("d", `M${x} ${this.chart.y(this.chart.reach[0])}V${this.chart.y(this.chart.reach[1])}`);
-    this.value.setAttribute("x", String(x + 4));
-    this.value.setAttribute("y", String(this.chart.y(this.chart.reach[1]) + 12));
-    this.value.textContent = reading(value, to - from);
-  }
-
-  /** @param {Chart} chart @param {number[]} range */
-  #listen(chart, [from, to]) {
-    const [x, y] = [chart.x(from), chart.y(chart.reach[1])];
-    const target = chart.add("rect", { class: "target", x, y, width: chart.x(to) - x, height: chart.y(chart.reach[0]) - y });
-    let pressed = null;
-    target.addEventListener("pointerdown", (event) => {
-      pressed = event.clientX;
-      target.setPointerCapture(event.pointerId);
-    });
-    target.addEventListener("pointerup", (event) => {
-      if (pressed === null) return;
-      const dragged = Math.abs(event.clientX - pressed) > DRAG_PIXELS;
-      /** @type {number[]} */
-      const ends = [chart.valueAt(event), chart.valueAt({ clientX: pressed })].sort((a, b) => a - b);
-      pressed = null;
-      if (dragged) this.ask(this.shown.parameter, [Math.max(ends[0], from), Math.min(ends[1], to)]);
-      else this.page.turn(this.shown.parameter, Number(ends[0].toPrecision(6)));
-    });
   }
 }

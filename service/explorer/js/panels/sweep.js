@@ -1,9 +1,12 @@
 /** A sweep: a slider for each of its steps; the share of each solution and the impact power over the last one. */
 
+import { Instrument } from "../charts/instrument.js";
+import { percent, reading } from "../charts/ticks.js";
 import { get } from "../net/api.js";
-import { Chart } from "../charts/chart.js";
-import { reading } from "../charts/ticks.js";
 import { panelAt, placesOf } from "../state/steps.js";
+import { swatch } from "./swatch.js";
+
+const WORDS = { act: "Open this basin", does: "opens the basin of the marked point" };
 
 function slider({ words, values }, at, moved) {
   const line = document.createElement("label");
@@ -22,25 +25,67 @@ function slider({ words, values }, at, moved) {
   return line;
 }
 
+/** Which of some values is closest to another. */
+function closest(values, wanted) {
+  const distances = values.map((value) => Math.abs(value - wanted));
+  return distances.indexOf(Math.min(...distances));
+}
+
 export class Sweep {
-  /** @param {HTMLElement} section @param {(panel: number) => void} open */
-  constructor(section, open) {
+  /**
+   * @param {HTMLElement} section
+   * @param {(panel: number) => void} open
+   * @param {() => void} changed what an address holds of its charts has changed
+   */
+  constructor(section, open, changed) {
     this.section = section;
     this.open = open;
     /** Basins that were complete when the shares were fetched. */
     this.charted = 0;
     this.result = null;
+    /** What an address shows of its charts, until they are there. @type {{[chart: string]: SeenChart|null}} */
+    this.wanted = {};
+    const chart = (id, label) => new Instrument(section.querySelector(id), { label, ...WORDS }, { moved: changed, picked: ({ x }) => this.#openAt(x) });
+    this.charts = { shares: chart("#shares", "Share of each motion"), power: chart("#loudness", "Expected impact power") };
+  }
+
+  #openAt(value) {
+    const places = placesOf(this.steps, this.panel);
+    this.open(panelAt(this.steps, places.with(-1, closest(this.steps.at(-1).values, value))));
+  }
+
+  /** What an address holds of its charts: what they are zoomed to. */
+  get seen() {
+    if (this.section.hidden) return { shares: null, power: null };
+    const of = (name) => {
+      const { scene, zoomed, view } = this.charts[name];
+      return scene ? (zoomed ? view : null) : this.wanted[name] ?? null;
+    };
+    return { shares: of("shares"), power: of("power") };
+  }
+
+  /** Show what an address says of its charts. @param {{[chart: string]: SeenChart|null}} seen */
+  look(seen) {
+    this.wanted = seen;
+    for (const [name, chart] of Object.entries(this.charts)) if (chart.scene) chart.look(seen[name]?.x ? seen[name] : null);
   }
 
   hide() {
     this.section.hidden = true;
     this.steps = this.result = null;
+    this.#clear();
+  }
+
+  #clear() {
+    this.wanted = {};
+    for (const chart of Object.values(this.charts)) chart.clear();
   }
 
   /** Show the sliders of a sweep at one of its basins. */
   show(steps, panel) {
     this.section.hidden = false;
-    [this.steps, this.panel, this.drawn, this.result] = [steps, panel, null, null];
+    [this.steps, this.panel, this.result] = [steps, panel, null];
+    this.#clear();
     const places = placesOf(steps, panel);
     const sliders = steps.map((each, axis) => slider(each, places[axis], (at) => this.open(panelAt(steps, places.with(axis, at)))));
     this.section.querySelector("#sliders").replaceChildren(...sliders);
@@ -80,71 +125,87 @@ export class Sweep {
   }
 
   /**
-   * Draw shares over the last parameter, at the current values of the others.
+   * Draw shares and impact power over the last parameter, at the current values of the others.
    * @param {{basins: any[]}} result as from `/result`
    * @param {Outline} outline whose colours are used
    * @param {string} palette
    */
   draw(result, outline, palette) {
-    // A click is lost if the chart under the pointer is replaced.
-    const drawn = [this.panel, palette, result.basins.filter(({ complete }) => complete).length, this.section.clientWidth].join();
-    if (drawn === this.drawn) return;
-    this.drawn = drawn;
-    const { words, values } = this.steps.at(-1);
+    const { values } = this.steps.at(-1);
     const places = placesOf(this.steps, this.panel);
     const row = values.map((_, at) => result.basins[panelAt(this.steps, places.with(-1, at))]);
+    this.#show("shares", this.#sharesOf(row, outline, palette));
+    this.#show("power", this.#powerOf(row));
+  }
+
+  #show(name, scene) {
+    const chart = this.charts[name];
+    const view = chart.scene ? null : this.wanted[name];
+    chart.show(scene, view?.x ? /** @type {any} */ (view) : null);
+  }
+
+  /** What both charts have. */
+  #scene(name, title, yLabel, points, most) {
+    const { words, values } = this.steps.at(-1);
     const ends = [Math.min(...values), Math.max(...values)];
-    /** @type {HTMLElement} */
-    const place = this.section.querySelector("#shares");
-    const chart = new Chart(place, {
-      height: 190, x: ends, y: [0, 1], xLabel: words, yLabel: "share",
-      label: `Share of each solution over ${words}; a click opens the nearest basin`,
-    });
-    for (const solution of outline.solutions) {
+    return {
+      id: name, title: `${title} over ${words}`, file: `sweep-${name}`, whole: { x: ends, y: [0, most] }, xLabel: words, yLabel, points,
+    };
+  }
+
+  #sharesOf(row, outline, palette) {
+    const { words, values, name: swept } = this.steps.at(-1);
+    const lines = outline.solutions.map((solution) => {
       const shares = row.map(({ complete, shares: known }) =>
         complete ? known.find((each) => each.solution === solution.number)?.share ?? null : null);
-      if (shares.every((share) => share === null)) continue;
-      const stroke = solution.colours[palette];
-      chart.line(values, shares, { class: "halo" });
-      const line = chart.line(values, shares, { class: "line", stroke });
-      shares.forEach((share, i) => {
-        if (share !== null) chart.add("circle", { cx: chart.x(values[i]), cy: chart.y(share), r: 3.5, fill: stroke, stroke: "rgb(128 128 128)" });
-      });
-      line.setAttribute("aria-label", solution.name);
-    }
-    this.finish(chart, places);
-    this.drawLoudness(row, places);
+      return { name: solution.name, stroke: solution.colours[palette], texture: solution.textures[palette], shares };
+    }).filter(({ shares }) => shares.some((share) => share !== null));
+    const points = lines.flatMap(({ name, shares }) => shares.flatMap((y, i) => (y === null ? [] : [{ x: values[i], y, name }])));
+    return {
+      ...this.#scene("shares", "Share of each motion", "share", points, 1),
+      words: ({ x, y, name }) => `${words} = ${Number(x.toPrecision(6))}   ${percent(y)}   ${name}`,
+      draw: (chart) => {
+        for (const { name, stroke, shares } of lines) {
+          chart.line(values, shares, { class: "halo" });
+          chart.line(values, shares, { class: "line", stroke, "data-motion": name });
+          shares.forEach((share, i) => {
+            if (share !== null) chart.add("circle", { cx: chart.x(values[i]), cy: chart.y(share), r: 3.5, fill: stroke, stroke: "rgb(128 128 128)" });
+          });
+        }
+        this.#mark(chart);
+      },
+      table: () => [[swept, "share", "motion"], ...points.map(({ x, y, name }) => [x, y, name])],
+      key: () => lines.map(({ name, stroke, texture }) => ({ sign: swatch(stroke, false, texture), name })),
+    };
   }
 
-  /** Draw what is to be heard on average in each basin over the last parameter. */
-  drawLoudness(row, places) {
-    const { words, values } = this.steps.at(-1);
+  /** What is to be heard on average in each basin over the last parameter. */
+  #powerOf(row) {
+    const { words, values, name: swept } = this.steps.at(-1);
     const powers = row.map(({ expected }) => expected?.impact_power ?? null);
     const most = Math.max(0, ...powers);
-    const chart = new Chart(this.section.querySelector("#loudness"), {
-      height: 130, x: [Math.min(...values), Math.max(...values)], y: [0, most > 0 ? 1.05 * most : 1],
-      xLabel: words, yLabel: "impact power",
-      label: `Expected impact power over ${words}; a click opens the nearest basin`,
-    });
-    chart.line(values, powers, { class: "line", stroke: "currentColor" });
-    powers.forEach((power, i) => {
-      if (power !== null) chart.add("circle", { cx: chart.x(values[i]), cy: chart.y(power), r: 3, fill: "currentColor" });
-    });
-    this.finish(chart, places);
+    const points = powers.flatMap((y, i) => (y === null ? [] : [{ x: values[i], y }]));
+    return {
+      ...this.#scene("power", "Expected impact power", "impact power", points, most > 0 ? 1.05 * most : 1),
+      words: ({ x, y }) => `${words} = ${Number(x.toPrecision(6))}   impact power ${Number(y.toPrecision(3))}`,
+      draw: (chart) => {
+        chart.line(values, powers, { class: "line", stroke: "currentColor" });
+        for (const { x, y } of points) chart.add("circle", { cx: chart.x(x), cy: chart.y(y), r: 3, fill: "currentColor" });
+        this.#mark(chart);
+      },
+      table: () => [[swept, "impact_power"], ...points.map(({ x, y }) => [x, y])],
+      key: () => [],
+    };
   }
 
-  /** Mark the basin that is shown in a chart over the last parameter, and open the one that is clicked. */
-  finish(chart, places) {
+  /** Mark the basin that is shown in a chart over the last parameter. @param {import("../charts/chart.js").Chart} chart */
+  #mark(chart) {
     const { values } = this.steps.at(-1);
     const [from, to] = chart.range, [bottom, top] = chart.reach.map((y) => chart.y(y));
-    const here = chart.x(values[places.at(-1)]);
+    const value = values[placesOf(this.steps, this.panel).at(-1)];
+    if (value < from || value > to) return;
+    const here = chart.x(value);
     chart.add("path", { class: "here", d: `M${here} ${bottom}V${top}` });
-    chart.add("text", { x: here + 5, y: top + 12 }, reading(values[places.at(-1)], to - from));
-    const target = chart.add("rect", { class: "target", x: chart.x(from) - 8, y: top, width: chart.x(to) - chart.x(from) + 16, height: bottom - top });
-    target.addEventListener("click", (event) => {
-      const wanted = chart.valueAt(event);
-      const distances = values.map((value) => Math.abs(value - wanted));
-      this.open(panelAt(this.steps, places.with(-1, distances.indexOf(Math.min(...distances)))));
-    });
+    chart.add("text", { x: here + 5, y: top + 12 }, reading(value, to - from));
   }
 }

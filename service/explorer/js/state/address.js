@@ -1,6 +1,7 @@
 /** The address of the page: the whole state of what is seen, so that a link shows it on any service. */
 
 import { additions, maskNames } from "./additions.js";
+import { chartFields, chartsIn, unreadCharts } from "./charts.js";
 import { machineIn, machineText } from "./machine.js";
 import { harmonicParameters, harmonicsOf, harmonicsText, NUMBERS } from "./oscillator.js";
 import { same, viewOf } from "./window.js";
@@ -40,6 +41,7 @@ const MODELS = { "": "impacting", piecewise_linear: "piecewise_linear" };
  * @property {Partial<Seen>|null} beside what is kept beside it, without a view of its own
  * @property {number} part of the width at which that begins
  * @property {Object<string, string>|null} machine in its own units
+ * @property {SeenCharts} charts below the plane
  * @property {string} compare whether it is swiped over what is seen, or lies side by side with it
  */
 
@@ -183,6 +185,7 @@ export function doubts(search) {
   if (query.has("k") && !iterationsOf(query)) unknown.push(`k=${query.get("k")}`);
   for (const text of query.getAll("motion")) if (!numbersOf(text, 2)) unknown.push(`motion=${text}`);
   if (query.has("part") && partOf(query) === null) unknown.push(`part=${query.get("part")}`);
+  unknown.push(...unreadCharts(query));
   for (const swept of sweptIn(query)) if (!ascends(swept) || !parameters.includes(swept.parameter)) unknown.push(`vary=${[swept.parameter, ...swept.values].join(",")}`);
   const sentences = unknown.length ? [`The address has values that are not known, and is shown without them: ${unknown.join(", ")}.`] : [];
   const lacking = request && !query.has("job") ? [...Object.keys(OSCILLATOR), "grid", "cells", "k"].filter((name) => !query.has(name)) : [];
@@ -219,6 +222,7 @@ export function decode(search) {
     part: partOf(query) ?? USUAL.part,
     compare: knownOr("compare", query.get("compare")),
     machine: machineIn(query.get("machine")),
+    charts: chartsIn(query),
   };
 }
 
@@ -227,7 +231,7 @@ export function decode(search) {
  * @param {Partial<Seen>} seen
  * @returns {string}
  */
-export function encode({ job, panel, request, view, whole, layer, palette, highlight, embed, overlays, motions, beside, part, compare, machine }) {
+export function encode({ job, panel, request, view, whole, layer, palette, highlight, embed, overlays, motions, beside, part, compare, machine, charts }) {
   const fields = [];
   if (job) fields.push(["job", job]);
   const numbers = machineText(machine ?? {});
@@ -243,6 +247,7 @@ export function encode({ job, panel, request, view, whole, layer, palette, highl
   if (embed) fields.push(["embed", "1"]);
   if (highlight) fields.push(["highlight", highlight]);
   for (const motion of motions ?? []) fields.push(["motion", motion.map(short).join(",")]);
+  fields.push(...chartFields(charts ?? {}));
   if (beside) fields.push(["beside", encode(beside)]);
   if (beside && part !== undefined && part !== USUAL.part) fields.push(["part", short(part)]);
   if (beside && compare && compare !== USUAL.compare) fields.push(["compare", compare]);
