@@ -19,7 +19,7 @@ const KEYS = "Arrows mark the next point, with Shift they move the view; plus an
 
 /**
  * What a chart shows. `id`: scenes of the same are newer states of each other. `points` can be pointed at, and `words`
- * says what one is. `key` names the signs.
+ * says what one is. `key` names the signs that are in a view.
  * @typedef {object} Scene
  * @property {string} id
  * @property {import("./view.js").ChartView} whole
@@ -31,7 +31,7 @@ const KEYS = "Arrows mark the next point, with Shift they move the view; plus an
  * @property {(point: any, view: import("./view.js").ChartView) => string} words
  * @property {(chart: Chart) => void} draw
  * @property {() => any[][]} table
- * @property {() => {sign: SVGElement, name: string}[]} key
+ * @property {(view: import("./view.js").ChartView) => {sign: SVGElement, name: string}[]} key
  */
 
 function button(text, title, press) {
@@ -91,7 +91,7 @@ export class Instrument {
     ];
     zooms[0].setAttribute("aria-label", "zoom out of the chart");
     zooms[1].setAttribute("aria-label", "zoom into the chart");
-    const svg = () => svgOf(this.chart.svg, this.scene);
+    const svg = () => svgOf(this.chart.svg, this.scene.title, this.scene.key(this.view));
     const files = { SVG: async () => new Blob([svg()], { type: "image/svg+xml" }), PNG: () => pngOf(svg()), CSV: async () => asCsv(this.scene.table()) };
     const saves = Object.entries(files).map(([ending, get]) => button(ending, `save this chart as ${ending}`, () =>
       attempt(async () => saveBlob(await get(), `${this.scene.file}.${ending.toLowerCase()}`))));

@@ -5,7 +5,7 @@ import { element } from "./chart.js";
 
 const SCALE = 2;
 const ROW = 20;
-const COLUMN = 260;
+const COLUMN = 330;
 const ROOM = 12;
 const STYLES = [
   "fill", "stroke", "stroke-width", "stroke-dasharray", "stroke-linecap", "opacity", "font-size", "font-family",
@@ -30,10 +30,10 @@ function styled(drawn) {
 /**
  * Text of an SVG file: the chart as it is drawn, its title above and the key of its signs below.
  * @param {SVGSVGElement} drawn
- * @param {import("./instrument.js").Scene} scene
+ * @param {string} title
+ * @param {{sign: SVGElement, name: string}[]} key
  */
-export function svgOf(drawn, { title, key: keyOf }) {
-  const key = keyOf();
+export function svgOf(drawn, title, key) {
   const { width, height } = drawn.viewBox.baseVal;
   const { fontFamily } = getComputedStyle(drawn);
   const across = Math.max(1, Math.floor((width - 2 * ROOM) / COLUMN));
@@ -47,6 +47,7 @@ export function svgOf(drawn, { title, key: keyOf }) {
   for (const [i, { sign, name }] of key.entries()) {
     const [x, y] = [ROOM + COLUMN * (i % across), height + ROW * (1.7 + Math.floor(i / across))];
     const own = /** @type {SVGElement} */ (sign.cloneNode(true));
+    own.removeAttribute("class");
     for (const [part, value] of Object.entries({ x, y, width: 12, height: 12 })) own.setAttribute(part, String(value));
     svg.append(own, element("text", { x: x + 18, y: y + 10, "font-size": "12px", ...text }, name));
   }

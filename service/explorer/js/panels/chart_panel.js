@@ -167,7 +167,8 @@ export class ChartPanel {
     const seen = this.page.oscillator();
     if (!this.shown || !seen || this.computation.busy) return;
     if (this.chart.isOf(this.shown, seen)) return this.computation.offer();
-    const words = `This is of ${oscillatorInWords(this.shown.oscillator)}; the picture above is not.`;
+    const own = oscillatorInWords(this.shown.oscillator, this.shown.parameter);
+    const words = `This chart is not of the picture above, but of ${own[0].toLowerCase()}${own.slice(1)}.`;
     this.computation.offer(words, "Compute it anew", () => this.ask({ ...this.chart.seenOf(this.shown, this.shown.whole) }));
   }
 

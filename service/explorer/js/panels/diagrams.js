@@ -1,6 +1,7 @@
 /** Bifurcation diagrams of the oscillator that is seen: charts whose cursor is the slider of their parameter. */
 
 import { reading } from "../charts/ticks.js";
+import { holds } from "../charts/view.js";
 import { oscillatorInWords } from "../look/caption.js";
 import { sameOscillator } from "../look/screen.js";
 import { get } from "../net/api.js";
@@ -67,8 +68,9 @@ export class Diagrams {
     return `Bifurcation diagram over ${parameterInWords(parameter)}`;
   }
 
-  /** @param {Oscillator} oscillator @param {SeenChart} wanted */
-  body(oscillator, { parameter, x: [start, stop] }) {
+  /** With the digits that an address has. @param {Oscillator} oscillator @param {SeenChart} wanted */
+  body(oscillator, { parameter, x }) {
+    const [start, stop] = x.map((end) => Number(end.toPrecision(9)));
     return { oscillator, vary: { parameter, start, stop, count: VALUES }, direction: "both", transient: 600, kept: KEPT };
   }
 
@@ -123,7 +125,9 @@ export class Diagrams {
         `${symbol} = ${reading(point.x, x1 - x0)}   v = ${reading(point.y, y1 - y0)}   ${inWords(point.name, kept)}`,
       draw: (chart) => this.#draw(scene, chart),
       table: () => [[parameter, "velocity", "motion"], ...points.map(({ x: value, y, name }) => [value, y, name])],
-      key: () => this.#painted(scene).map(({ name, colour, texture }) => ({ sign: swatch(colour, false, texture), name: inWords(name, kept) })),
+      key: (view) => this.#painted(scene)
+        .filter(({ rows }) => rows.some((row) => holds(view, { x: row[parameter], y: row.velocity })))
+        .map(({ name, colour, texture }) => ({ sign: swatch(colour, false, texture), name: inWords(name, kept) })),
     };
     return scene;
   }
@@ -142,7 +146,7 @@ export class Diagrams {
       const d = seen.map((row) => markAt(chart.x(row[scene.parameter]), chart.y(row.velocity), texture)).join("");
       chart.add("path", { class: texture ? "points marks" : "points", d, stroke: colour, "data-motion": name });
     }
-    this.#list(scene);
+    this.#list(scene.key({ x: chart.range, y: chart.reach }));
     this.drawn = chart;
     this.here = chart.add("path", { class: "here" });
     this.value = chart.add("text", {});
@@ -150,8 +154,7 @@ export class Diagrams {
   }
 
   /** Name the colours under the chart, those that are seen at most values first. */
-  #list(scene) {
-    const key = scene.key();
+  #list(key) {
     const lines = key.slice(0, LISTED).map(({ sign, name }) => {
       const line = Object.assign(document.createElement("span"), { className: "key" });
       line.append(sign, name);
