@@ -142,7 +142,7 @@ def test_what_is_saved_needs_no_style_sheet_and_has_the_rows(charted, tmp_path):
         each.get("stroke") for each in drawn
     }
     assert (tmp_path / "chart.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
-    columns, *rows = csv.reader((tmp_path / "chart.csv").open())
+    columns, *rows = csv.reader((tmp_path / "chart.csv").read_text().splitlines())
     assert columns == ["damping", "velocity", "motion"]
     assert {len(row) for row in rows} == {3} and "P(1,1,0)" in {row[2] for row in rows}
 
