@@ -21,7 +21,7 @@ from worker.results.shares import draw_shares, shares_figure
 def plot(
     store: Annotated[str, typer.Argument(help="Zarr store of any kind, or a service's address of one")],
     out_: Annotated[Path, typer.Option("--out", help="Picture to write: .png, .svg or .pdf")],
-    layer: Annotated[Layer, typer.Option(help="Solutions, or Hsu's group, period or step")] = Layer.SOLUTION,
+    layer: Annotated[Layer, typer.Option(help="Solutions, Hsu's group, period or step, or loudness")] = Layer.SOLUTION,
     shares: Annotated[bool, typer.Option("--shares", help="Shares over the swept parameter instead")] = False,
     overlay: Annotated[str, typer.Option(help=f"What lies over basins, of {','.join(OverlayKind)}")] = ",".join(
         USUAL_OVERLAYS

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { inkOn, isMarked, paintNumbers, paintSolutions, paintTextures, scaleColour, solutionPixels, specialPixel, texturesOf } from "../../service/explorer/js/plane/palette.js";
+import { inkOn, isMarked, loudnessPixels, paintNumbers, paintSolutions, paintTextures, placeOf, scaleColour, solutionPixels, specialPixel, texturesOf } from "../../service/explorer/js/plane/palette.js";
 
 const bytesOf = (pixel) => [pixel & 255, (pixel >> 8) & 255, (pixel >> 16) & 255, (pixel >> 24) & 255];
 const solution = (number, kind, paper, textures) => ({ number, kind, name: `${kind} ${number}`, colours: { paper }, textures: { paper: textures } });
@@ -36,7 +36,7 @@ test("all but the highlighted solution fade towards the ground", () => {
 
 test("Hsu's numbers climb a scale from 0 to the highest; codes and missing cells stand apart", () => {
   const pixels = new Int32Array(6).fill(9), special = specialPixel("#ff0000");
-  paintNumbers(pixels, [0, 2, 99, -1, 5, 5], [0, 0, 0, 0, -1, 0], 99, special, 0, 5);
+  paintNumbers(pixels, [0, 2, 99, -1, 5, 5], [0, 0, 0, 0, -1, 0], "group", 99, special, 0, 5);
   const at = (place) => bytesOf(pixels[place]);
   assert.deepEqual(at(0), [0x44, 0x01, 0x54, 255]);
   assert.deepEqual(at(2), [0xfd, 0xe7, 0x25, 255]);
@@ -70,4 +70,25 @@ test("marks are counted from the lowest row, in ink that is seen on the colour",
   for (const from of [0, 3]) paintTextures(pixels, cells, { texture, ink }, 3, from, from + 3);
   assert.deepEqual([...pixels], [9, specialPixel("#000000"), 9, specialPixel("#000000"), 9, 9]);
   assert.equal(texturesOf({ ...OUTLINE, solutions: OUTLINE.solutions.slice(0, 1) }, LOOK), null);
+});
+
+test("steps have a logarithmic scale of their own, on which one and ten are far apart", () => {
+  assert.deepEqual([placeOf("step", 0, 100), placeOf("step", 1, 100), placeOf("step", 100, 100)], [0, 0, 1]);
+  assert.ok(Math.abs(placeOf("step", 10, 100) - 0.5) < 1e-9);
+  assert.equal(placeOf("step", 1, 1), 0);
+});
+
+test("loudness has the colour of silence, of the loudest, and grey where it is not known", () => {
+  const solutions = [0, 8, null, 4].map((impact_power) => ({ impact_power }));
+  const [silent, loudest, unknown, half] = loudnessPixels({ solutions }, specialPixel("#8a8f98"));
+  const scale = [0, 1, 128 / 255].map((place) => scaleColour(place));
+  assert.deepEqual([silent, loudest, half].map((each) => [each & 255, (each >> 8) & 255, (each >> 16) & 255]), scale);
+  assert.equal(unknown, specialPixel("#8a8f98"));
+  assert.deepEqual([...loudnessPixels({ solutions: [{ impact_power: 0 }] }, 0)], [silent]);
+});
+
+test("a cell has its loudness whatever its group", () => {
+  const pixels = new Int32Array(3);
+  paintSolutions(pixels, [0, 0, -1], [0, 7, 3], Int32Array.of(42), 0, 0, 3);
+  assert.deepEqual([...pixels], [42, 42, 0]);
 });

@@ -186,7 +186,9 @@ def _draw_panels(figure: Figure, axes: np.ndarray, basins: Basins, rows: list[li
         images += panel.draw(place)
         at_axes = zip(panel.job.axes, panel.job.place_of(panel.number), strict=True)
         place.set_title(", ".join(value_in_words(axis, at) for axis, at in at_axes), fontsize="small")
-    if images:
+    if images and look.layer == Layer.LOUDNESS:
+        _draw_powers(figure, axes, images, machine_in(basins.dataset))
+    elif images:
         _draw_scale(figure, axes, images, f"Hsu's {look.layer}")
     elif look.legend and panel.attractors:
         _list_motions(figure, axes[0, -1], basins.dataset, panel, look)
@@ -306,3 +308,15 @@ def _draw_scale(figure: Figure, axes: np.ndarray, images: list[AxesImage], label
     for image in images:
         image.set_norm(norm)
     figure.colorbar(images[0], ax=axes, label=label, ticks=MaxNLocator(10, integer=True), spacing="proportional")
+
+
+def _draw_powers(figure: Figure, axes: np.ndarray, images: list[AxesImage], machine: object) -> None:
+    """Give each power one colour, the same in all panels, and draw the scale; in W beside it for a machine."""
+    shown = np.concatenate([np.ma.asarray(image.get_array()).compressed() for image in images])
+    highest = float(shown.max(initial=0.0)) or 1.0
+    for image in images:
+        image.set_clim(0.0, highest)
+    label = "impact power of the motion, v²/2 per forcing period"
+    if isinstance(machine, GearPair):
+        label += f"; 1 is {machine.scales.power:.3g} W"
+    figure.colorbar(images[0], ax=axes, label=label)

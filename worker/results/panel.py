@@ -17,7 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.image import AxesImage
 from matplotlib.patches import Rectangle
 
-from rattle_kernels import CellGrid
+from rattle_kernels import CellGrid, loudness
 from worker.additions import additions
 from worker.errors import StoreFailed
 from worker.jobs.basin_job import BasinJob
@@ -48,6 +48,7 @@ class Layer(StrEnum):
     GROUP = "group"
     PERIOD = "period"
     STEP = "step"
+    LOUDNESS = "loudness"
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,7 @@ class Look:
     Parameters
     ----------
     layer : Layer
-        Solutions, or one of Hsu's numbers.
+        Solutions, one of Hsu's numbers, or the impact power of the motion that a cell ends in.
     overlays : collection of str
         What lies over each basin, of `OverlayKind`.
     window : Window, optional
@@ -289,6 +290,20 @@ class Panel:
             for rows, columns, place in self._parts()
         ]  # fmt: skip
 
+    def draw_loudness(self, axes: Axes) -> list[AxesImage]:
+        """Draw the impact power of the motion that each cell ends in; cells whose power is not known are grey."""
+        axes.set_facecolor(colours.MISSING)
+        oscillator = self.job.oscillator_of(self.number)
+        # Last, where a cell without a solution finds it.
+        power = np.array([*(loudness(oscillator, each).impact_power for each in self.attractors), np.nan])
+        return [
+            axes.imshow(
+                np.ma.masked_invalid(power[np.maximum(self._read(Layer.SOLUTION, rows, columns), -1)]),
+                origin="lower", extent=place, aspect="auto", interpolation="nearest", cmap="viridis",
+            )
+            for rows, columns, place in self._parts()
+        ]  # fmt: skip
+
     def draw_masks(self, axes: Axes, kinds: Collection[str]) -> None:
         """Draw the masks among overlays.
 
@@ -335,10 +350,12 @@ class Panel:
         axes.set_ylim(self.window[2:])
 
     def draw(self, axes: Axes) -> list[AxesImage]:
-        """Draw all that is asked for. Returns the images of Hsu's numbers."""
+        """Draw all that is asked for. Returns the images that a scale belongs to."""
         images: list[AxesImage] = []
         if self.look.layer == Layer.SOLUTION:
             self.draw_solutions(axes)
+        elif self.look.layer == Layer.LOUDNESS:
+            images = self.draw_loudness(axes)
         else:
             images = self.draw_numbers(axes)
         self.draw_masks(axes, self.look.overlays)

@@ -292,7 +292,8 @@ function legend() {
     legend();
     remember(true);
   };
-  showLegend(by("legend"), plane.picture, plane.look, highlighted, machine.scalesOf(screen.oscillator));
+  const k = plane.picture?.job === jobs.job?.id ? jobs.job?.request.iterations : null;
+  showLegend(by("legend"), plane.picture, plane.look, highlighted, machine.scalesOf(screen.oscillator), k);
   comparison.showLegend({ label: by("kept-label"), place: by("kept-legend") }, highlighted);
 }
 

@@ -90,7 +90,7 @@ def test_parts_of_the_store_are_served_by_range_and_head(service, finished):
     assert head.status_code == 200 and int(head.headers["content-length"]) == len(whole)
 
 
-@pytest.mark.parametrize("layer", ["solution", "group", "period", "step"])
+@pytest.mark.parametrize("layer", ["solution", "group", "period", "step", "loudness"])
 def test_every_layer_has_a_picture(service, finished, layer):
     answer = service.request("GET", f"{finished['links']['picture']}?layer={layer}")
     assert answer.headers["content-type"] == "image/png" and answer.content.startswith(b"\x89PNG")

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 from matplotlib.image import imread
 
-from rattle_kernels import AttractorKind, CellGrid
+from rattle_kernels import AttractorKind, CellGrid, loudness
 from tests.worker.basins.made_up import CHAOS, QUIET, RATTLE, motion, near
 from worker.errors import InvalidJob, StoreConflict
 from worker.jobs.basin_job import BasinJob, SweepJob
@@ -18,7 +18,7 @@ from worker.pictures.colours import Palette
 from worker.pictures.figure_file import PictureFormat, new_figure, save_figure
 from worker.pictures.window import Window
 from worker.results.figure import basin_figure
-from worker.results.opening import open_basin
+from worker.results.opening import attractors_of, job_of, open_basin
 from worker.results.panel import Basins, Layer, Look, Panel
 from worker.results.shares import shares_figure
 from worker.stores import layout
@@ -97,6 +97,20 @@ def test_hsus_numbers_have_a_scale_of_whole_numbers(store, layer):
     assert len(np.unique(shown.norm(numbers))) == numbers.size, "each number has a colour of its own"
 
 
+def test_loudness_has_one_colour_for_each_power_and_a_scale_from_silence(store):
+    with open_basin(store.location) as basin:
+        solution, motions = basin.solution.values, attractors_of(basin)
+        oscillator = job_of(basin).oscillator
+    figure = basin_figure(store.location, Look(Layer.LOUDNESS))
+    shown, scale = figure.axes[0].images[0], figure.axes[-1]
+    powers = np.array([loudness(oscillator, each).impact_power for each in motions])
+    known = np.isfinite(powers[solution])
+    assert known.any()
+    np.testing.assert_array_equal(shown.get_array().filled(-1.0), np.where(known, powers[solution], -1.0))
+    assert scale.get_ylim() == (0.0, np.nanmax(powers[solution]))
+    assert "impact power" in scale.get_ylabel()
+
+
 def test_missing_tiles_are_hatched_and_said(store):
     whole = near(drawn(store), colours.MISSING)
     states = np.full(store.tiling.tiles, TileState.ASSEMBLED)
@@ -113,7 +127,7 @@ def test_a_store_without_any_label_is_drawn(tmp_path):
         assert near(drawn(store, layer), colours.MISSING) > 0.2
 
 
-@pytest.mark.parametrize("layer", [Layer.GROUP, Layer.PERIOD, Layer.STEP])
+@pytest.mark.parametrize("layer", [Layer.GROUP, Layer.PERIOD, Layer.STEP, Layer.LOUDNESS])
 def test_the_same_store_gives_the_same_bytes(store, layer):
     one, other = io.BytesIO(), io.BytesIO()
     save_figure(basin_figure(store.location, Look(layer)), one, PictureFormat.PNG)

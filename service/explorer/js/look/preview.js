@@ -50,9 +50,9 @@ export class Preview extends Picture {
     return known && { solution: known.solution, t, v };
   }
 
-  /** Paint what cells end in, in every layer: a preview has no numbers to paint. */
+  /** Paint what cells end in, or how loud that is: a preview has no numbers to paint. */
   paint(look, tile = null) {
-    super.paint({ ...look, layer: "solution" }, tile);
+    super.paint({ ...look, layer: look.layer === "loudness" ? "loudness" : "solution" }, tile);
   }
 
   get isPreview() {

@@ -84,7 +84,7 @@ export class Comparison {
     const { beside, look } = this.plane;
     label.hidden = !beside;
     label.textContent = beside?.label ?? "";
-    showLegend(place, beside?.picture ?? null, look, pick);
+    showLegend(place, beside?.picture ?? null, look, pick, null, beside?.request.iterations);
   }
 
   #keep(kept, stack) {

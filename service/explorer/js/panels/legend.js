@@ -1,16 +1,18 @@
-/** The legend: solutions with colours and shares, which can be selected; or the scale of one of Hsu's numbers. */
+/** The legend: solutions with colours and shares, which can be selected; or the scale of a number. */
 
 import { element } from "../charts/chart.js";
 import { expectedInWords, loudnessInWords, solutionInWords } from "../look/explain.js";
-import { keyOf, scaleColour } from "../plane/palette.js";
+import { keyOf, loudest, scaleColour } from "../plane/palette.js";
 import { grouped, percent } from "../charts/ticks.js";
+import { inUnits } from "../state/machine.js";
 import { maskLines } from "./masked.js";
 import { swatch } from "./swatch.js";
 
 const MEANINGS = {
-  step: "Hsu's step: applications of P^k until the cycle of cells is reached.",
+  step: "Within how many impacts a cell has come to what it ends in: Hsu's step, which counts k impacts at a time.",
   group: "Hsu's group: the cycle of cells that is reached, by number.",
   period: "Hsu's period: cells in that cycle; 0 where there is none.",
+  loudness: "Impact power of the motion that a cell ends in: half the squared speeds of its impacts, a forcing period. Grey is not known.",
 };
 
 function chaosInWords({ lyapunov_exponent, mean_life, mean_life_error, kind }) {
@@ -61,22 +63,50 @@ function listSolutions(picture, look, pick, scales) {
 /** What is to be heard on average, as far as it is known. */
 function averageOf({ expected }, scales) {
   if (!expected) return [];
-  return [Object.assign(document.createElement("p"), { className: "note", textContent: expectedInWords(expected, scales) })];
+  return [note(expectedInWords(expected, scales))];
 }
 
-function describeScale(picture, layer) {
-  const bar = element("svg", { class: "scale", viewBox: "0 0 100 8", preserveAspectRatio: "none", "aria-hidden": "true" });
+function bar(numbers) {
+  const drawn = element("svg", { class: "scale", viewBox: "0 0 100 8", preserveAspectRatio: "none", "aria-hidden": "true" });
   for (let i = 0; i < 50; i++) {
-    bar.append(element("rect", { x: 2 * i, width: 2.1, height: 8, fill: `rgb(${scaleColour(i / 49).join(" ")})` }));
+    drawn.append(element("rect", { x: 2 * i, width: 2.1, height: 8, fill: `rgb(${scaleColour(i / 49).join(" ")})` }));
   }
-  const ends = document.createElement("div");
-  ends.className = "ends";
-  for (const text of ["0", "logarithmic", grouped(Math.max(picture.highest(layer), 1))]) {
-    ends.append(Object.assign(document.createElement("span"), { textContent: text }));
+  const ends = Object.assign(document.createElement("div"), { className: "ends" });
+  ends.append(...numbers.map((text) => Object.assign(document.createElement("span"), { textContent: text })));
+  return [drawn, ends];
+}
+
+function note(text) {
+  return Object.assign(document.createElement("p"), { className: "note", textContent: text });
+}
+
+/** The scale of one of Hsu's numbers. `iterations`: the k of the request; null where that is not known. */
+function describeNumbers(picture, layer, iterations) {
+  const highest = Math.max(picture.highest(layer), 1);
+  const meaning = note(MEANINGS[layer]);
+  if (layer === "step") {
+    const told = (step) => (iterations ? grouped(step * iterations) : `${grouped(step)} k`);
+    if (highest === 1) return [note(`All cells that are here come to it within ${told(1)} impacts.`), meaning];
+    return [...bar([told(1), told(Math.round(Math.sqrt(highest))), `${told(highest)} impacts`]), meaning];
   }
-  const note = Object.assign(document.createElement("p"), { className: "note", textContent: MEANINGS[layer] });
-  if (layer === "group") note.textContent += " 0 is the sink; grey are permanent contact and what is undecided.";
-  return [bar, ends, note];
+  if (layer === "group") meaning.textContent += " 0 is the sink; grey are permanent contact and what is undecided.";
+  return [...bar(["0", "logarithmic", grouped(highest)]), meaning];
+}
+
+/** The scale of loudness, and how loud each motion is, the loudest first. */
+function describeLoudness(picture, scales) {
+  const told = (power) => (scales ? inUnits(power * scales.power, "W") : String(Number(power.toPrecision(3))));
+  const most = loudest(picture.outline), shares = picture.shares();
+  const list = Object.assign(document.createElement("ul"), { className: "heard" });
+  const there = picture.outline.solutions.filter(({ number }) => shares[number] > 0);
+  list.append(...there.toSorted((a, b) => (b.impact_power ?? -1) - (a.impact_power ?? -1)).map(({ name, impact_power: power }) => {
+    const item = document.createElement("li");
+    const fill = power === null ? "#8a8f98" : `rgb(${scaleColour(most > 0 ? power / most : 0).join(" ")})`;
+    const heard = Object.assign(document.createElement("span"), { textContent: power === null ? "not known" : told(power) });
+    item.append(swatch(fill), name, heard);
+    return item;
+  }));
+  return [...bar([told(0), told(most / 2), told(most)]), list, note(MEANINGS.loudness)];
 }
 
 /**
@@ -86,15 +116,17 @@ function describeScale(picture, layer) {
  * @param {Look} look
  * @param {(solution: string|null) => void} pick
  * @param {Scales|null} [scales] one unit of the model in SI, of a machine in its own units
+ * @param {number|null} [iterations] k of the picture's request
  */
-export function showLegend(place, picture, look, pick, scales = null) {
+export function showLegend(place, picture, look, pick, scales = null, iterations = null) {
   const active = /** @type {HTMLElement} */ (document.activeElement);
   const focused = place.contains(active) ? active.dataset.solution : null;
   if (!picture) place.replaceChildren();
   else if (picture.empty) place.textContent = "No solutions are known yet.";
+  else if (look.layer === "loudness") place.replaceChildren(...describeLoudness(picture, scales), ...averageOf(picture.outline, scales), ...maskLines(picture, look));
   else if (look.layer === "solution" || picture.isPreview) {
     place.replaceChildren(listSolutions(picture, look, pick, scales), ...averageOf(picture.outline, scales), ...maskLines(picture, look));
   }
-  else place.replaceChildren(...describeScale(picture, look.layer), ...maskLines(picture, look));
+  else place.replaceChildren(...describeNumbers(picture, look.layer, iterations), ...maskLines(picture, look));
   if (focused) Array.from(place.querySelectorAll("button")).find((each) => each.dataset.solution === focused)?.focus();
 }

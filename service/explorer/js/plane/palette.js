@@ -91,11 +91,11 @@ export function solutionPixels(outline, look, usual) {
   return table;
 }
 
-/** Paint solutions of cells from..to of a row; missing cells stay transparent. `kinds` counts the speckle's values. */
+/** Paint solutions of cells from..to of a row; missing cells stay transparent. `kinds` counts the speckle's values, 0 for none. */
 export function paintSolutions(pixels, solution, group, table, kinds, from, to) {
   for (let i = from; i < to; i++) {
     const number = solution[i];
-    pixels[i] = number < 0 ? 0 : table[number * (kinds + 1) + (group[i] > 0 ? 1 + (group[i] % kinds) : 0)];
+    pixels[i] = number < 0 ? 0 : table[number * (kinds + 1) + (kinds && group[i] > 0 ? 1 + (group[i] % kinds) : 0)];
   }
 }
 
@@ -134,14 +134,34 @@ export function paintTextures(pixels, solution, { texture, ink }, width, from, t
   }
 }
 
-/** Paint one of Hsu's numbers on a logarithmic scale, because most cells have small numbers. */
-export function paintNumbers(pixels, values, solution, highest, special, from, to) {
-  const factor = (STEPS - 1) / Math.log1p(Math.max(highest, 1));
+/**
+ * Where a number lies on its scale, from 0 to 1: logarithmic, because most cells have small numbers. Steps begin at 1: a
+ * cell on the cycle itself has 0, and takes no more than one step either.
+ */
+export function placeOf(layer, value, highest) {
+  if (layer === "step") return highest > 1 ? Math.log(Math.max(value, 1)) / Math.log(highest) : 0;
+  return Math.log1p(value) / Math.log1p(Math.max(highest, 1));
+}
+
+/** Paint one of Hsu's numbers. */
+export function paintNumbers(pixels, values, solution, layer, highest, special, from, to) {
   for (let i = from; i < to; i++) {
     const value = values[i];
     if (solution[i] < 0) pixels[i] = 0;
-    else pixels[i] = value < 0 ? special : SCALE_PIXELS[Math.round(Math.log1p(value) * factor)];
+    else pixels[i] = value < 0 ? special : SCALE_PIXELS[Math.round((STEPS - 1) * placeOf(layer, value, highest))];
   }
+}
+
+/** The greatest impact power of the motions of a basin, where the scale of loudness ends. @param {Outline} outline */
+export function loudest({ solutions }) {
+  return solutions.reduce((most, { impact_power }) => Math.max(most, impact_power ?? 0), 0);
+}
+
+/** Pixels of solutions by how loud they are, silence first. @param {Outline} outline @param {number} special pixel of what is not known */
+export function loudnessPixels(outline, special) {
+  const most = loudest(outline);
+  return Int32Array.from(outline.solutions, ({ impact_power: power }) =>
+    (power === null ? special : SCALE_PIXELS[most > 0 ? Math.round(((STEPS - 1) * power) / most) : 0]));
 }
 
 /** Pixel of cells whose number is a code, not a count. */

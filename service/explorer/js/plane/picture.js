@@ -4,7 +4,7 @@ import { get, send, whole } from "../net/api.js";
 import { maskOf } from "../state/additions.js";
 import { viewOf } from "../state/window.js";
 import { partsOf, wholeOf } from "./levels.js";
-import { paintNumbers, paintSolutions, paintTextures, solutionPixels, specialPixel, texturesOf, usualSpeckle } from "./palette.js";
+import { loudnessPixels, paintNumbers, paintSolutions, paintTextures, solutionPixels, specialPixel, texturesOf, usualSpeckle } from "./palette.js";
 import { Masked } from "./masked.js";
 import { inKeptColours } from "./session.js";
 import { Veil } from "./veil.js";
@@ -176,19 +176,22 @@ export class Picture {
 
   /** Paint one tile, or all, in a style. */
   paint(look, tile = null) {
-    const numbers = look.layer !== "solution";
+    const loud = look.layer === "loudness";
+    const numbers = look.layer !== "solution" && !loud;
+    const special = specialPixel("#8a8f98");
     const usual = usualSpeckle(this.outline, this.solution, this.group);
     const everything = { left: 0, top: 0, right: this.width, bottom: this.height };
     const { left, top, right, bottom } = tile === null || usual !== this.usual ? everything : this.rectangle(tile);
     this.usual = usual;
-    const table = numbers ? null : solutionPixels(this.outline, look, usual);
-    const textures = numbers ? null : texturesOf(this.outline, look);
+    // Loudness has no speckle: a cell has the colour of its motion, whatever its group.
+    const kinds = loud ? 0 : this.outline.speckle.length;
+    const table = numbers ? null : loud ? loudnessPixels(this.outline, special) : solutionPixels(this.outline, look, usual);
+    const textures = numbers || loud ? null : texturesOf(this.outline, look);
     const highest = numbers ? this.highest(look.layer) : 0;
-    const kinds = this.outline.speckle.length;
     for (let row = top; row < bottom; row++) {
       const from = (this.height - 1 - row) * this.width + left;
       const to = from + right - left;
-      if (numbers) paintNumbers(this.pixels, this[look.layer], this.solution, highest, specialPixel("#8a8f98"), from, to);
+      if (numbers) paintNumbers(this.pixels, this[look.layer], this.solution, look.layer, highest, special, from, to);
       else paintSolutions(this.pixels, this.solution, this.group, table, kinds, from, to);
       if (textures) paintTextures(this.pixels, this.solution, textures, this.width, from, to);
     }

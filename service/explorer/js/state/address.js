@@ -10,7 +10,7 @@ import { same, viewOf } from "./window.js";
 const USUAL = { layer: "solution", palette: "colour_blind", overlays: ["grazing", "attractors"], part: 0.5, compare: "swipe" };
 /** What there is to choose from. */
 const KNOWN = {
-  layer: ["solution", "step", "group", "period"], palette: ["colour_blind", "paper"], compare: ["swipe", "side"],
+  layer: ["solution", "step", "group", "period", "loudness"], palette: ["colour_blind", "paper"], compare: ["swipe", "side"],
   overlays: ["grazing", "attractors", "preimages", "manifolds", "saddles"],
 };
 const usualOverlays = () => [...maskNames(), ...USUAL.overlays].join(",");
