@@ -185,6 +185,13 @@ class OverlaysView(BaseModel):
     overlays: list[OverlayView]
 
 
+class UncertaintyView(BaseModel):
+    """How slowly better knowledge of the departure makes the final motion certain: f(e) ~ e^exponent."""
+
+    exponent: FiniteOrNone = Field(description="1 for smooth borders, less for fractal ones; null without borders")
+    error: FiniteOrNone = Field(description="Standard error of the fit")
+
+
 class OutlineView(BaseModel):
     """Everything needed to draw one basin, except its cells, which are fetched tile by tile."""
 

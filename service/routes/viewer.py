@@ -14,14 +14,14 @@ from service.answers.conditional import (
     not_modified,
 )
 from service.errors import NotReady
-from service.models.results import OutlineView, OverlaysView, OverlayView
+from service.models.results import OutlineView, OverlaysView, OverlayView, UncertaintyView
 from service.routes.dependencies import LARGE, JobId, JobsHere, SettingsHere, problems, require_kind
 from service.routes.results import COMPUTING, location_of
 from worker.additions import additions
 from worker.kinds import KINDS
 from worker.pictures.overlay_kind import OverlayKind
 from worker.results.summary import fingerprint
-from worker.results.viewer import outline_basin, overlay_basin, read_tile_labels
+from worker.results.viewer import outline_basin, overlay_basin, read_tile_labels, uncertainty_of_basin
 
 router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["viewer"])
 
@@ -93,6 +93,30 @@ def get_overlays(
         overlays = [OverlayView.from_overlay(each) for each in overlay_basin(location, panel, kind)]
     body = OverlaysView(overlays=overlays).model_dump_json()
     return Response(body, media_type="application/json", headers={"etag": etag})
+
+
+@router.get(
+    "/uncertainty",
+    response_model=UncertaintyView,
+    summary="Uncertainty exponent of a basin",
+    dependencies=[LARGE],
+    responses=_NOTHING_YET | NOT_MODIFIED,
+)
+def get_uncertainty(
+    job_id: JobId,
+    jobs: JobsHere,
+    settings: SettingsHere,
+    panel: Panel = 0,
+    if_none_match: IfNoneMatch = None,
+) -> Response:
+    """Final-state uncertainty exponent of the window, with its error, from the labels of all cells."""
+    location = _location_of_basins(job_id, jobs, settings, "an uncertainty exponent")
+    with COMPUTING:
+        fit = uncertainty_of_basin(location, panel)
+    if fit is None:
+        raise NotReady(f"basin {panel} of job {job_id} is not complete yet")
+    view = UncertaintyView(exponent=fit.exponent, error=fit.error)
+    return json_or_not_modified(json_answer(view.model_dump_json()), if_none_match)
 
 
 @router.get(

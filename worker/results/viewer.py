@@ -5,7 +5,16 @@ from typing import Any
 
 import numpy as np
 
-from rattle_kernels import Attractor, ExpectedLoudness, Loudness, Oscillator, grazing_velocity, loudness
+from rattle_kernels import (
+    Attractor,
+    ExpectedLoudness,
+    Loudness,
+    Oscillator,
+    UncertaintyExponent,
+    grazing_velocity,
+    loudness,
+    uncertainty_exponent,
+)
 from rattle_kernels.basins.tiles import Tiling
 from worker.additions import additions
 from worker.errors import InvalidJob
@@ -20,6 +29,8 @@ from worker.stores.solution_table import SolutionTable
 _CURVE_POINTS = 512
 # Most points of an attractor: enough to see its shape on a screen, few enough for a network.
 _MOST_POINTS = 3000
+# Fewest cells each way and most in all from which an uncertainty exponent is told at once.
+_LEAST_SIDE, _MOST_CELLS = 33, 25_000_000
 _BY_NAME = {variable.name: variable for variable in LABELS}
 # Wider types first, so that each array is aligned.
 _ORDER = tuple(_BY_NAME[name] for name in ("step", "group", "period", "solution"))
@@ -149,6 +160,29 @@ def overlay_basin(location: str, basin: int, kind: OverlayKind) -> tuple[Overlay
     catalogue = catalogue_of(store, store.solutions.read(), basin)
     attractors = tuple(catalogue[number] for number in sorted(catalogue))
     return overlays_for((kind,), store.job.oscillator_of(basin), attractors, (0.0, store.job.grid.velocity_stop))
+
+
+def uncertainty_of_basin(location: str, basin: int) -> UncertaintyExponent | None:
+    """Uncertainty exponent of the window of a basin of the store at a location; None until the basin is complete.
+
+    Raises
+    ------
+    InvalidJob
+        If there is no such basin, the store holds a sample, or the basin has too few cells or too many.
+    StoreConflict, StoreFailed
+        If there is no basin's store, or it cannot be read.
+    """
+    store = open_cells(location, basin)
+    if (store.read_ledger()[store.tiling.numbers_of(basin)] != TileState.ASSEMBLED).any():
+        return None
+    grid = store.job.grid
+    if min(grid.shape) < _LEAST_SIDE:
+        raise InvalidJob(
+            f"an uncertainty exponent needs {_LEAST_SIDE} x {_LEAST_SIDE} cells at least, not {grid.shape}"
+        )
+    if grid.time_cells * grid.velocity_cells > _MOST_CELLS:
+        raise InvalidJob(f"beyond {_MOST_CELLS} cells it takes long: `measures()` of the result in Python has it")
+    return uncertainty_exponent(store.read_solution(basin), wraps=grid.wraps)
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,7 @@ import { Orbits } from "./panels/orbits.js";
 import { OverlayList } from "./panels/overlay_list.js";
 import { Sweep } from "./panels/sweep.js";
 import { Turn } from "./panels/turn.js";
+import { Uncertainty } from "./panels/uncertainty.js";
 import { Marks } from "./plane/marks.js";
 import { Plane } from "./plane/plane.js";
 import { additions, knowAdditions, maskNames } from "./state/additions.js";
@@ -63,6 +64,7 @@ const charts = {
   orbits: new Orbits({ oscillator: () => screen.oscillator, changed: remember, colour: (name) => plane.paintOf(name).colour, pick: (departure) => motions.pick(departure, false, true) }).panel,
   bifurcation: new Diagrams({ oscillator: () => screen.oscillator, changed: remember, paint: (name) => plane.paintOf(name), turn: (name, value) => (form.set(name, value), compute(form.request())) }).panel,
 };
+const uncertainty = new Uncertainty(() => plane.picture);
 const examples = new Examples(by("preset"), by("examples"), by("preset-note"), showExample);
 
 // What is asked for.
@@ -253,6 +255,7 @@ function pictureChanged() {
   const mask = plane.picture?.masked?.mask;
   for (const name of maskNames()) overlays.offer(name, name === mask?.name);
   for (const chart of Object.values(charts)) chart.follow();
+  uncertainty.follow();
   form.price();
   legend();
   motions.told();

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rattle_kernels import uncertainty_exponent
 from rattle_paper.papers_oscillator import papers_oscillator
 from tests.service.routes.problems import STIFF, assert_problem
 from worker.jobs.basin_job import basin_job
@@ -34,6 +35,21 @@ def tile(service, job, number, every=1):
     wide = np.frombuffer(answer.content, "<i4", 3 * cells).reshape(3, rows, columns)
     solution = np.frombuffer(answer.content, "<i2", cells, 12 * cells).reshape(rows, columns)
     return dict(zip(("step", "group", "period"), wide, strict=True)) | {"solution": solution}
+
+
+def test_the_uncertainty_exponent_of_a_window_is_that_of_its_labels(service, finished):
+    told = service.request("GET", f"/v1/jobs/{finished['id']}/uncertainty").json()
+    with open_basin(service.store_of(finished)) as basin:
+        fit = uncertainty_exponent(basin.solution.values, wraps=True)
+    assert told == pytest.approx({"exponent": fit.exponent, "error": fit.error})
+    assert 0.0 < fit.exponent < 1.0
+
+
+def test_too_few_cells_have_no_uncertainty_exponent(service):
+    job = service.wait(
+        service.submit({"grid": {"time": {"cells": 32}, "velocity": {"cells": 60}}, "iterations": 61})["id"]
+    )
+    assert_problem(service.request("GET", f"/v1/jobs/{job['id']}/uncertainty"), 422, "33 x 33 cells at least")
 
 
 @pytest.mark.parametrize("every", [1, 3])

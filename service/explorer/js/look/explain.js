@@ -109,6 +109,17 @@ export function maskInWords({ parts, reason }, { kind, name }, { parts: all, wor
   return partly.replace("{reason}", reasons[reason]);
 }
 
+/**
+ * An uncertainty exponent in words.
+ * @param {{exponent: number|null, error: number|null}} fit
+ */
+export function uncertaintyInWords({ exponent, error }) {
+  if (exponent === null) return "There are hardly any borders between basins in this window.";
+  const fewer = Number((10 ** exponent).toPrecision(2));
+  return `Final-state uncertainty exponent ${exponent.toFixed(3)} ± ${error.toFixed(3)}, of the whole basin that is computed, ` +
+    `at the size of its cells: with ten times better knowledge of the departure, ${fewer} times fewer are uncertain. 1 is that of smooth borders.`;
+}
+
 /** What the marks on the plane are. */
 export const MARKS = {
   plane: "Each point is a departure: a tooth leaves +β at phase t with speed v. Its colour is the motion it ends in.",
