@@ -253,3 +253,49 @@ def test_charts_keep_nobody_out(charted, theme):
     page.evaluate(AXE.read_text())
     findings = page.evaluate("axe.run().then(({violations}) => violations)")
     assert [(each["id"], [node["html"] for node in each["nodes"]]) for each in findings] == []
+
+
+def test_loudness_is_a_layer_with_numbers_also_of_a_preview(explorer):
+    explorer.visit(f"{LINK}&layer=loudness")
+    explorer.state("Complete")
+    page = explorer.page
+    expect(page.locator("#layer")).to_have_value("loudness")
+    legend = page.locator("#legend")
+    expect(legend.locator(".heard li").first).to_contain_text("chaotic")
+    expect(legend.locator(".heard li").first).to_contain_text("10.7")
+    expect(legend.locator(".heard li").last).to_have_text("permanent contact0")
+    assert explorer.colour(0.5, 0.1) == (68, 1, 84), "silence is dark"
+    explorer.fill(damping=0.62)
+    explorer.pictured("Preview")
+    expect(legend).to_contain_text("Impact power of the motion")
+    assert explorer.colour(0.5, 0.1) == (68, 1, 84)
+    assert "layer=loudness" in page.url
+
+
+def test_loudness_of_a_machine_is_in_watts(explorer):
+    explorer.visit().pictured()
+    page = explorer.page
+    page.locator("#machine summary").click()
+    page.get_by_role("button", name="The paper's pump").click()
+    expect(page.locator("#machine-said")).to_contain_text("an impact power of 1 is", timeout=20_000)
+    page.locator("#layer").select_option("loudness")
+    expect(page.locator("#legend .ends span").last).to_have_text(re.compile(r"^[\d.]+ m?W$"), timeout=20_000)
+
+
+def test_steps_are_told_in_impacts(explorer):
+    explorer.visit(f"{LINK}&layer=step").state("Complete")
+    expect(explorer.page.locator("#legend .ends span").first).to_have_text("101")
+    expect(explorer.page.locator("#legend .ends span").last).to_have_text(re.compile(r"^\d[\d\u202f]+ impacts$"))
+    assert explorer.colour(0.5, 0.1) == (68, 1, 84)
+
+
+def test_the_uncertainty_exponent_is_told_on_request(explorer):
+    explorer.visit(LINK).state("Complete")
+    page = explorer.page
+    page.locator("#uncertainty").click()
+    words = page.locator("#explain + .note")
+    expect(words).to_have_text(re.compile(r"Final-state uncertainty exponent 0\.\d+ ± 0\.\d+"), timeout=60_000)
+    explorer.fill(damping=0.62)
+    explorer.pictured("Preview")
+    expect(page.locator("#uncertainty")).to_be_disabled()
+    expect(words).to_be_empty()
