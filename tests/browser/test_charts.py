@@ -272,16 +272,6 @@ def test_loudness_is_a_layer_with_numbers_also_of_a_preview(explorer):
     assert "layer=loudness" in page.url
 
 
-def test_loudness_of_a_machine_is_in_watts(explorer):
-    explorer.visit().pictured()
-    page = explorer.page
-    page.locator("#machine summary").click()
-    page.get_by_role("button", name="The paper's pump").click()
-    expect(page.locator("#machine-said")).to_contain_text("an impact power of 1 is", timeout=20_000)
-    page.locator("#layer").select_option("loudness")
-    expect(page.locator("#legend .ends span").last).to_have_text(re.compile(r"^[\d.]+ m?W$"), timeout=20_000)
-
-
 def test_steps_are_told_in_impacts(explorer):
     explorer.visit(f"{LINK}&layer=step").state("Complete")
     expect(explorer.page.locator("#legend .ends span").first).to_have_text("101")

@@ -48,6 +48,11 @@ def test_what_is_under_the_pointer_and_in_the_legend_is_in_units(filled):
     expect(filled.page.locator("#reading")).to_contain_text(re.compile(r"t = 0\.\d+ +v = \d\.\d+ \(.* ms, .* m/s\)"))
 
 
+def test_the_layer_of_loudness_is_in_watts(filled):
+    filled.page.locator("#layer").select_option("loudness")
+    expect(filled.page.locator("#legend .ends span").last).to_have_text(re.compile(r"^[\d.]+ k?W$"), timeout=20_000)
+
+
 def test_an_address_opens_the_machine_again(filled):
     expect(filled.page).to_have_url(re.compile("machine=speed"))
     filled.page.reload()
