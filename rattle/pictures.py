@@ -27,6 +27,7 @@ from worker.pictures.overlay import (
     preimage_lines,
     saddle_marks,
 )
+from worker.pictures.printing import Printing
 from worker.pictures.symbols import SYMBOLS, oscillator_text
 from worker.results.panel import frame
 
@@ -35,6 +36,7 @@ __all__ = [
     "Marks",
     "Overlay",
     "Palette",
+    "Printing",
     "SYMBOLS",
     "attractor_marks",
     "colours_of",

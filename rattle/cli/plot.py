@@ -12,6 +12,8 @@ from worker.errors import InvalidJob, WorkerError
 from worker.kinds import KINDS
 from worker.pictures.figure_file import PictureFormat, new_figure, save_figure
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, parse_overlays
+from worker.pictures.printing import Printing
+from worker.results.caption import caption_of
 from worker.results.figure import figure_of_store
 from worker.results.opening import is_address, levels_in
 from worker.results.panel import Layer, Look
@@ -26,18 +28,35 @@ def plot(
     overlay: Annotated[str, typer.Option(help=f"What lies over basins, of {','.join(OverlayKind)}")] = ",".join(
         USUAL_OVERLAYS
     ),
+    overlay_key: Annotated[
+        bool, typer.Option("--overlay-key", help="Name all that lies over basins, also marks and in other layers")
+    ] = False,
+    width: Annotated[
+        float | None, typer.Option(help="In mm, 20 to 1200; of width and height alone the other follows")
+    ] = None,
+    height: Annotated[float | None, typer.Option(help="In mm")] = None,
+    dpi: Annotated[int | None, typer.Option(help="Dots per inch, 30 to 1200; 110 by default")] = None,
+    font_size: Annotated[float | None, typer.Option(help="Of ordinary letters, 4 to 36 points; 10 by default")] = None,
+    editable: Annotated[bool, typer.Option("--editable", help="Text of an SVG or a PDF stays text")] = False,
+    caption: Annotated[
+        bool, typer.Option("--caption", help="Print a caption with parameters and what to cite, and put it in the file")
+    ] = False,
     key: Key = None,
 ) -> None:
     """Draw a basin in the colours of its motions, a sweep side by side, or what an analysis has found."""
     try:
+        printing = Printing(width, height, dpi, font_size, editable)
         overlays = parse_overlays(overlay)
         picture_format = PictureFormat.of_file(out_)
-        look = Look(layer, overlays)
+        look = Look(layer, overlays, overlay_key=overlay_key)
         if is_address(store):
             figure = figure_at_address(store, key, look, shares=shares)
         else:
             figure = shares_figure(store) if shares else figure_of_store(store, look)
-        save_figure(figure, out_, picture_format)
+        told = caption_of(opening.open(store, key=key), look) if caption else None
+        save_figure(figure, out_, picture_format, printing, told)
+        if told:
+            typer.echo(told)
     except InvalidJob as error:
         give_up(str(error), 2)
     except WorkerError as error:

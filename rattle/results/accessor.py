@@ -556,6 +556,7 @@ class Result:
     def plot(
         self, ax: "Axes | None" = None, *, overlays: Collection[str] | None = None, legend: bool = True,
         colors: Mapping[str, Any] | None = None, palette: str | None = None, title: str | None = None,
+        overlay_key: bool = False,
     ) -> Any:  # fmt: skip
         """Draw the result: cells in the colours of their motions, a diagram, curves, or Phi(t).
 
@@ -574,6 +575,8 @@ class Result:
             Of basins: ``"paper"`` or ``"colour_blind"``.
         title : str, optional
             Of the axes or the figure; by default of a new one the oscillator.
+        overlay_key : bool
+            Whether all that lies over basins is named, also marks.
 
         Returns
         -------
@@ -595,7 +598,7 @@ class Result:
         """
         import matplotlib.pyplot as plt
 
-        look, kind = self._look(overlays, legend, colors, palette), self._kind
+        look, kind = self._look(overlays, legend, colors, palette, overlay_key), self._kind
         if ax is None:
             figure = plt.figure(figsize=_SIZE, layout="constrained")
             kind.draw(self._dataset, figure, look)
@@ -614,8 +617,9 @@ class Result:
         return ax
 
     def _look(
-        self, overlays: Collection[str] | None, legend: bool, colors: Mapping[str, Any] | None, palette: str | None
-    ) -> "Look":
+        self, overlays: Collection[str] | None, legend: bool, colors: Mapping[str, Any] | None, palette: str | None,
+        overlay_key: bool,
+    ) -> "Look":  # fmt: skip
         """How basins are drawn that `plot` is asked for; refuses a palette, a motion or a colour that is not known."""
         from matplotlib.colors import to_rgb
 
@@ -637,8 +641,30 @@ class Result:
             raise InvalidJob(f"colors: {error}") from None
         return Look(
             overlays=USUAL_OVERLAYS if overlays is None else overlays, legend=legend, own_colours=own,
-            palette=USUAL if palette is None else Palette(palette),
+            palette=USUAL if palette is None else Palette(palette), overlay_key=overlay_key,
         )  # fmt: skip
+
+    def caption(self) -> str:
+        """What a picture of the result shows, for below it: parameters, window, and what to cite.
+
+        Returns
+        -------
+        str
+
+        Raises
+        ------
+        InvalidJob
+            If it is a trajectory.
+
+        Examples
+        --------
+        >>> rattle.basin(cells=40, progress=False).rattle.caption().split(", ")[0]
+        'Basins of attraction of a rattling gear pair: impacting model'
+        """
+        from worker.results.caption import caption_of
+
+        self._demand("caption", *KINDS)
+        return caption_of(self._dataset)
 
     def plot_shares(self, ax: "Axes | None" = None) -> "Figure | Axes":
         """Draw shares and expected loudness over the swept parameter or the machines: lines over one, maps over two.

@@ -8,6 +8,7 @@ from collections.abc import AsyncIterator, Awaitable, Callable
 from typing import Annotated, Any
 
 from fastapi import Depends, Path, Request
+from fastapi.dependencies.models import Dependant
 from fastapi.exceptions import RequestValidationError
 from pydantic import AfterValidator
 
@@ -93,12 +94,18 @@ async def refuse_unknown_parameters(request: Request) -> None:
     # The pages read their own addresses: the explorer's holds what is seen.
     if not request.query_params or not route.include_in_schema:
         return
-    known = sorted(each.alias for each in route.dependant.query_params)
+    known = sorted(_parameters_of(route.dependant))
     takes = f"this address takes {', '.join(known)}" if known else "this address takes none"
     unknown = [name for name in request.query_params if name not in known]
     if unknown:
         errors = [{"type": "unknown", "loc": ("query", name), "msg": f"unknown parameter: {takes}"} for name in unknown]
         raise RequestValidationError(errors)
+
+
+def _parameters_of(dependant: Dependant) -> set[str]:
+    """Names of the query parameters of a route, also of those that only what it depends on reads."""
+    own = {each.alias for each in dependant.query_params}
+    return own.union(*map(_parameters_of, dependant.dependencies))
 
 
 _JOB_ID = "[0-9a-f]{32}"

@@ -9,7 +9,7 @@ from functools import partial
 from importlib.metadata import version
 from typing import Annotated, Any, TypeVar
 
-from fastapi import APIRouter, Query, Request, Response
+from fastapi import APIRouter, Depends, Query, Request, Response
 from matplotlib.figure import Figure
 from pydantic import AfterValidator
 
@@ -21,10 +21,13 @@ from service.models.results import AnyResult
 from service.routes.dependencies import LARGE, JobId, JobsHere, SettingsHere, problems, require_kind
 from worker.errors import InvalidJob
 from worker.kinds import KINDS
-from worker.pictures.colours import USUAL, Palette
+from worker.pictures.colours import USUAL, Palette, parse_paints
 from worker.pictures.figure_file import PictureFormat, save_figure
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, parse_overlays
+from worker.pictures.printing import AS_DRAWN, DPI, FONT_POINTS, SIDE_MM, Printing
 from worker.pictures.window import parse_window
+from worker.results.caption import caption_of
+from worker.results.netcdf import NETCDF, netcdf_of
 from worker.results.opening import open_store
 from worker.results.panel import Layer, Look
 from worker.results.shares import shares_figure
@@ -95,10 +98,34 @@ def _get_figure(name: str, summary: str, responses: Responses) -> Callable[[AnyR
     return decorate
 
 
-def _picture_answer(draw: Callable[[], Figure], picture_format: PictureFormat, etag: str) -> Response:
+def _picture_answer(
+    draw: Callable[[], Figure], picture_format: PictureFormat, etag: str, printing: Printing = AS_DRAWN,
+    caption: str | None = None,
+) -> Response:  # fmt: skip
     buffer = io.BytesIO()
-    save_figure(draw(), buffer, picture_format)
+    save_figure(draw(), buffer, picture_format, printing, caption)
     return Response(buffer.getvalue(), media_type=picture_format.media_type, headers={"etag": etag})
+
+
+SideAsked = Annotated[
+    float | None,
+    Query(ge=SIDE_MM[0], le=SIDE_MM[1], description="In mm. Of width and height alone the other follows"),
+]
+
+
+def _printing(
+    width: SideAsked = None,
+    height: SideAsked = None,
+    dpi: Annotated[
+        int | None,
+        Query(ge=DPI[0], le=DPI[1], description="Dots per inch: of a PNG, and of the cells in an SVG or a PDF"),
+    ] = None,
+    font_size: Annotated[
+        float | None, Query(ge=FONT_POINTS[0], le=FONT_POINTS[1], description="Of ordinary letters, in points")
+    ] = None,
+    editable: Annotated[bool, Query(description="Whether text of an SVG or a PDF stays text")] = False,
+) -> Printing:
+    return Printing(width, height, dpi, font_size, editable)
 
 
 _USUAL_OVERLAYS = ",".join(USUAL_OVERLAYS)
@@ -111,6 +138,17 @@ WindowAsked = Annotated[
         max_length=200,
     ),
 ]
+PrintingAsked = Annotated[Printing, Depends(_printing)]
+ColoursAsked = Annotated[
+    str,
+    Query(
+        description="Colours that some motions have instead, as in `P(2,2,2):bfffbf;P(3,3,0):802a00/1`: a name, a "
+        "colour, and perhaps a texture from 0 to 3",
+        max_length=4000,
+    ),
+]
+KeyAsked = Annotated[bool, Query(description="Whether all that lies over basins is named, also marks")]
+CaptionAsked = Annotated[bool, Query(description="Whether the file has a caption with parameters and what to cite")]
 OverlaysAsked = Annotated[str, Query(description=f"What lies over basins, of {','.join(OverlayKind)}", max_length=100)]
 
 
@@ -118,7 +156,10 @@ OverlaysAsked = Annotated[str, Query(description=f"What lies over basins, of {',
     "picture",
     "Picture of a result",
     _NOTHING_YET
-    | problems(s422="the window is none, or shows nothing of the job, or there is no such panel, layer or overlay"),
+    | problems(
+        s422="the window is none, or shows nothing of the job, there is no such panel, layer or overlay, or the "
+        "picture had too many pixels"
+    ),
 )
 def get_picture(
     job_id: JobId,
@@ -130,20 +171,31 @@ def get_picture(
     panel: PanelAsked = None,
     overlays: OverlaysAsked = _USUAL_OVERLAYS,
     palette: Palette = USUAL,
+    colours: ColoursAsked = "",
+    overlay_key: KeyAsked = False,
+    caption: CaptionAsked = False,
+    printing: PrintingAsked = AS_DRAWN,
     if_none_match: IfNoneMatch = None,
 ) -> Response:
     """Draw a basin, or what an analysis has found. While a basin is computed, missing tiles are hatched."""
     location, kind = location_of(job_id, jobs, settings), KINDS[jobs.get(job_id).kind]
     picture_format = PictureFormat.of_file(request.url.path)
     shown = parse_window(window) if window is not None else None
-    look = Look(layer, parse_overlays(overlays), shown, panel, palette)
+    own = parse_paints(colours)
+    look = Look(layer, parse_overlays(overlays), shown, panel, palette, own, overlay_key=overlay_key)
     # Computed before drawing: a tile that arrives while drawing is in the picture and changes the next ETag.
-    etag = etag_of(kind.fingerprint(location), repr(look), picture_format, _VERSION)
+    etag = etag_of(kind.fingerprint(location), repr((look, printing, caption)), picture_format, _VERSION)
     known = not_modified(etag, if_none_match)
     if known is not None:
         return known
+    told = _caption_of(location, look) if caption else None
     with COMPUTING if set(look.overlays) - set(USUAL_OVERLAYS) else contextlib.nullcontext():
-        return _picture_answer(partial(kind.figure, location, look), picture_format, etag)
+        return _picture_answer(partial(kind.figure, location, look), picture_format, etag, printing, told)
+
+
+def _caption_of(location: str, look: Look) -> str:
+    with open_store(location) as dataset:
+        return caption_of(dataset, look)
 
 
 @_get_figure(
@@ -164,6 +216,25 @@ def get_shares(
         return known or _picture_answer(partial(shares_figure, location), picture_format, etag)
     except InvalidJob as error:
         raise NotReady(f"no basin of job {job_id} is complete yet") from error
+
+
+@router.get(
+    "/result.nc",
+    summary="The result as netCDF",
+    response_class=Response,
+    responses={200: {"content": {NETCDF: {}}}, **_NOTHING_YET, **problems(s422="it is too large"), **NOT_MODIFIED},
+    dependencies=[LARGE],
+)
+def get_netcdf(job_id: JobId, jobs: JobsHere, settings: SettingsHere, if_none_match: IfNoneMatch = None) -> Response:
+    """All of a result in one file of netCDF 3. Larger ones are read from the Zarr store."""
+    location, kind = location_of(job_id, jobs, settings), KINDS[jobs.get(job_id).kind]
+    etag = etag_of(kind.fingerprint(location), "netcdf", _VERSION)
+    known = not_modified(etag, if_none_match)
+    if known is not None:
+        return known
+    with open_store(location) as dataset:
+        content = netcdf_of(dataset, f"/v1/jobs/{job_id}/result.zarr")
+    return Response(content, media_type=NETCDF, headers={"etag": etag})
 
 
 _TABLES = (

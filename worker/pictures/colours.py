@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels import Attractor, AttractorKind
+from worker.errors import InvalidJob
 
 Colour = tuple[float, float, float]
 
@@ -104,7 +105,7 @@ class Paint(NamedTuple):
 
 
 def paints_of(
-    attractors: tuple[Attractor, ...], palette: Palette = USUAL, own: Mapping[str, Colour] | None = None
+    attractors: tuple[Attractor, ...], palette: Palette = USUAL, own: Mapping[str, Colour | Paint] | None = None
 ) -> list[Paint]:
     """Colour and texture of each attractor of a basin or of a sweep: no two have the same.
 
@@ -114,8 +115,8 @@ def paints_of(
     ----------
     attractors : tuple of Attractor
     palette : Palette
-    own : mapping of str to (red, green, blue), optional
-        Colours that some motions have instead, by their names.
+    own : mapping of str to (red, green, blue) or Paint, optional
+        Colours that some motions have instead, by their names. ``"P(2,2,1) (2)"`` is the second of this name.
 
     Returns
     -------
@@ -134,10 +135,37 @@ def paints_of(
     pool = POOLS[palette]
     for place, (_, _, number) in enumerate(sorted(others)):
         paints[number] = Paint(pool[place % len(pool)], place // len(pool) % (TEXTURES + 1))
+    seen: dict[str, int] = {}
     for number, attractor in enumerate(attractors):
-        if own and attractor.name in own:
-            paints[number] = Paint(own[attractor.name])
+        name = attractor.name
+        seen[name] = seen.get(name, 0) + 1
+        given = own and (own.get(f"{name} ({seen[name]})") or own.get(name))
+        if given:
+            paints[number] = given if isinstance(given, Paint) else Paint(given)
     return [paints[number] for number in range(len(attractors))]
+
+
+def parse_paints(text: str) -> dict[str, Paint]:
+    """Paints of motions by their names, from a text as ``P(2,2,2):bfffbf;P(3,3,0):802a00/1``; none from an empty text.
+
+    Raises
+    ------
+    InvalidJob
+        If a part is no name with a colour, and perhaps a texture from 0 to 3.
+
+    Examples
+    --------
+    >>> parse_paints("P(2,2,2):ff0000/1")
+    {'P(2,2,2)': Paint(colour=(1.0, 0.0, 0.0), texture=1)}
+    """
+    paints = {}
+    for part in filter(None, text.split(";")):
+        found = re.fullmatch(r"([^:;]{1,60}):([0-9a-f]{6})(?:/([0-3]))?", part)
+        if found is None:
+            raise InvalidJob(f"a motion's colour is written as P(2,2,2):bfffbf or P(2,2,2):bfffbf/1, not as {part!r}")
+        name, colour, texture = found.groups()
+        paints[name] = Paint(_rgb(colour), int(texture or 0))
+    return paints
 
 
 def _motion_of(name: str) -> Attractor:
@@ -229,7 +257,7 @@ def usual_speckle(
 
 def paint_cells(
     solution: np.typing.ArrayLike, group: np.typing.ArrayLike, attractors: tuple[Attractor, ...],
-    palette: Palette = USUAL, usual: int | None = None, own: Mapping[str, Colour] | None = None,
+    palette: Palette = USUAL, usual: int | None = None, own: Mapping[str, Colour | Paint] | None = None,
 ) -> np.ndarray:  # fmt: skip
     """Colours of cells, with chaos speckled by Hsu's groups as in the paper, and textures where colours are used again.
 
@@ -242,7 +270,7 @@ def paint_cells(
     palette : Palette
     usual : int, optional
         From ``usual_speckle`` of the whole picture, where these cells are a part of it.
-    own : mapping of str to (red, green, blue), optional
+    own : mapping of str to (red, green, blue) or Paint, optional
         Colours that some motions have instead, by their names; none of these is speckled.
 
     Returns

@@ -1,5 +1,6 @@
 """A figure as a file: PNG, SVG or PDF. The same figure gives the same bytes."""
 
+import threading
 from enum import StrEnum
 from pathlib import Path
 from typing import IO
@@ -9,6 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from worker.errors import InvalidJob
+from worker.pictures.printing import AS_DRAWN, Printing
 
 _DPI = 110
 # Neither a date nor a random identifier is written.
@@ -17,6 +19,9 @@ _UNDATED = {
     "svg": {"Date": None, "Creator": None},
     "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
 }
+# Where a format keeps a caption.
+_CAPTION = {"png": "Description", "svg": "Description", "pdf": "Subject"}
+_SAVING = threading.Lock()
 
 
 class PictureFormat(StrEnum):
@@ -62,7 +67,10 @@ def new_figure(width: float = 10.0, height: float = 6.5) -> Figure:
     return figure
 
 
-def save_figure(figure: Figure, target: str | Path | IO[bytes], picture_format: PictureFormat | None = None) -> None:
+def save_figure(
+    figure: Figure, target: str | Path | IO[bytes], picture_format: PictureFormat | None = None,
+    printing: Printing = AS_DRAWN, caption: str | None = None,
+) -> None:  # fmt: skip
     """Write a figure to a file.
 
     Parameters
@@ -71,22 +79,29 @@ def save_figure(figure: Figure, target: str | Path | IO[bytes], picture_format: 
     target : path or binary file
     picture_format : PictureFormat, optional
         By default the one that the file's name asks for; needed for an open file.
+    printing : Printing
+        Size, resolution, letters. The figure keeps its size and letters.
+    caption : str, optional
+        A text that the file carries along: its description in a PNG and an SVG, its subject in a PDF.
 
     Raises
     ------
     InvalidJob
-        If the file's name asks for no such format.
+        If the file's name asks for no such format, or the picture had too many pixels.
 
     Examples
     --------
     >>> from matplotlib.figure import Figure
-    >>> save_figure(Figure(), "picture.svg")
-    >>> Path("picture.svg").read_text()[:5]
-    '<?xml'
+    >>> save_figure(Figure(), "picture.svg", printing=Printing(width=86.0), caption="Nothing yet.")
+    >>> "Nothing yet." in Path("picture.svg").read_text()
+    True
     """
     if picture_format is None:
         assert isinstance(target, str | Path)
         picture_format = PictureFormat.of_file(target)
-    if picture_format == PictureFormat.SVG:
-        mpl.rcParams["svg.hashsalt"] = "gear-rattle"  # identifiers in the file are random without it
-    figure.savefig(target, format=picture_format.value, metadata=_UNDATED[picture_format])
+    printing.apply(figure)
+    metadata = _UNDATED[picture_format] | ({_CAPTION[picture_format]: caption} if caption else {})
+    with _SAVING, printing.style():
+        if picture_format == PictureFormat.SVG:
+            mpl.rcParams["svg.hashsalt"] = "gear-rattle"  # identifiers in the file are random without it
+        figure.savefig(target, format=picture_format.value, metadata=metadata, dpi=printing.dpi or "figure")

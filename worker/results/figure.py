@@ -35,6 +35,9 @@ _COLOURS = 256
 # Of the textures of cells, in their order.
 _HATCHES = (None, "////", "\\\\\\\\", "....")
 _SPECKLED = "chaos is speckled by Hsu's groups"
+# Of the marks that lie over cells, by Matplotlib's markers.
+_MARKED = {"x": "departures of a motion that repeats", ".": "departures of chaos", "+": "departures of a saddle"}
+_KEY_COLUMNS = 3
 
 
 def draw_basin(dataset: xr.Dataset, axes: Axes, look: Look = USUAL_LOOK) -> Axes:
@@ -190,8 +193,21 @@ def _draw_panels(figure: Figure, axes: np.ndarray, basins: Basins, rows: list[li
         _draw_powers(figure, axes, images, machine_in(basins.dataset))
     elif images:
         _draw_scale(figure, axes, images, f"Hsu's {look.layer}")
-    elif look.legend and panel.attractors:
+    listed = not images and look.legend and panel.attractors
+    if listed:
         _list_motions(figure, axes[0, -1], basins.dataset, panel, look)
+    if look.overlay_key and (basins.job.axes or not listed):
+        _draw_key(figure, axes)
+
+
+def _draw_key(figure: Figure, axes: np.ndarray) -> None:
+    """Name what lies over the panels, below a single one, and beside several."""
+    handles = {str(each.get_label()): each for place in axes.flat for each in (*_masks_of(place), *_key_of(place))}
+    # A sweep has the name of its lowest axis there.
+    alone = axes.size == 1
+    place, columns = ("outside lower center", _KEY_COLUMNS) if alone else ("outside right lower", 1)
+    if handles:
+        figure.legend(handles=list(handles.values()), loc=place, ncols=columns, frameon=False)
 
 
 def _list_motions(figure: Figure, axes: Axes, dataset: xr.Dataset, panel: Panel, look: Look) -> None:
@@ -236,7 +252,8 @@ def _draw_legend(axes: Axes, motions: tuple[Attractor, ...], shares: np.ndarray,
     names = [motion.name for motion in motions]
     ends = [f"\n{ends_in_words(motion.ends, names)}" if motion.ends else "" for motion in motions]
     labels = [f"{motion.label}   {share}{end}" for motion, share, end in zip(motions, texts, ends, strict=True)]
-    handles = [*_legend_patches(motions, shares, labels, look), *_masks_of(axes), *_lines_of(axes)]
+    laid = _key_of(axes) if look.overlay_key else _lines_of(axes)
+    handles = [*_legend_patches(motions, shares, labels, look), *_masks_of(axes), *laid]
     speckled = axes.images and any(each.is_chaotic for each in motions)  # points of a sample have no groups
     axes.legend(
         handles=handles, loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, borderaxespad=0.0,
@@ -258,6 +275,17 @@ def _lines_of(axes: Axes) -> list[Line2D]:
         Line2D([], [], color="0.6" if line.get_color() == "white" else line.get_color(), label=name,
                linestyle=line.get_linestyle())
         for name, line in drawn.items()
+    ]  # fmt: skip
+
+
+def _key_of(axes: Axes) -> list[Line2D]:
+    """Legend entries of all overlays: curves, and each kind of mark once."""
+    marks = {str(line.get_marker()): line for line in axes.get_lines() if line.get_linestyle() == "None"}
+    return _lines_of(axes) + [
+        Line2D([], [], color="0.6" if line.get_color() == "white" else line.get_color(), label=_MARKED[marker],
+               linestyle="None", marker=marker, markersize=max(line.get_markersize(), 4.0),
+               markeredgewidth=line.get_markeredgewidth())
+        for marker, line in marks.items() if marker in _MARKED
     ]  # fmt: skip
 
 

@@ -67,10 +67,12 @@ class Look:
         The one basin of a sweep that is shown; by default all, side by side.
     palette : Palette
         Colours of motions.
-    own_colours : mapping of str to colour
+    own_colours : mapping of str to colour or Paint
         Other colours of some motions, by name.
     legend : bool
         Whether the motions are listed.
+    overlay_key : bool
+        Whether every overlay that is drawn is named: also its marks, and where no motions are listed.
     """
 
     layer: Layer = Layer.SOLUTION
@@ -78,8 +80,9 @@ class Look:
     window: Window | None = None
     panel: int | None = None
     palette: colours.Palette = colours.USUAL
-    own_colours: Mapping[str, colours.Colour] = field(default_factory=dict)
+    own_colours: Mapping[str, colours.Colour | colours.Paint] = field(default_factory=dict)
     legend: bool = True
+    overlay_key: bool = False
 
 
 USUAL_LOOK = Look()

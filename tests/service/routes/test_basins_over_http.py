@@ -1,12 +1,15 @@
 """A basin over HTTP, as a client sees it."""
 
+import io
 import itertools
+import json
 import signal
 from importlib.metadata import version
 
 import numpy as np
 import pytest
 import xarray as xr
+from PIL import Image
 
 from tests.running_service import running_service
 from tests.service.routes.problems import assert_problem
@@ -116,10 +119,40 @@ def test_a_picture_can_be_that_of_what_is_seen(service, finished):
         ("panel=-1", "query.panel"),
         ("overlays=clouds", "there is no overlay 'clouds'"),
         ("palette=grey", "query.palette"),
+        ("width=2000", "query.width"),
+        ("dpi=5000", "query.dpi"),
+        ("font_size=0", "query.font_size"),
+        ("width=1200&height=1200&dpi=1200", "at most 40 million pixels"),
+        ("colours=P(1,1,0):blue", "a motion's colour is written as"),
     ],
 )
 def test_what_cannot_be_seen_is_refused_in_words(service, finished, query, told):
     assert_problem(service.request("GET", f"{finished['links']['picture']}?{query}"), 422, told)
+
+
+def test_a_picture_for_a_paper_has_its_size_its_text_and_a_caption(service, finished):
+    picture = finished["links"]["picture"]
+    how = "width=86&dpi=300&font_size=7&editable=true&overlay_key=true&caption=true"
+    drawn = {each: service.request("GET", f"{picture.replace('png', each)}?{how}") for each in ("png", "svg", "pdf")}
+    assert Image.open(io.BytesIO(drawn["png"].content)).width == pytest.approx(1016, abs=1)
+    text = drawn["svg"].text
+    for words in ("departures of", "grazing curve", "120 x 120 cells, k = 499", "doi:10.1142/S021812740902283X"):
+        assert words in text
+    assert b"/Subject" in drawn["pdf"].content
+    assert (
+        len({answer.headers["etag"] for answer in drawn.values()} | {service.request("GET", picture).headers["etag"]})
+        == 4
+    )
+
+
+def test_a_result_is_there_as_netcdf(service, finished, tmp_path):
+    address = f"{finished['links']['result']}.nc"
+    answer = service.request("GET", address)
+    (tmp_path / "result.nc").write_bytes(answer.content)
+    with xr.open_dataset(tmp_path / "result.nc") as read:
+        assert json.loads(read.attrs["request"]) == finished["request"]
+        assert read.solution.shape == (read.sizes["velocity"], read.sizes["time"])
+    assert service.request("GET", address, headers={"if-none-match": answer.headers["etag"]}).status_code == 304
 
 
 def test_a_picture_and_a_result_that_have_not_changed_are_not_sent_again(service, finished):
