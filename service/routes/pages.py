@@ -11,6 +11,7 @@ from starlette.staticfiles import StaticFiles
 
 from worker.additions import additions
 from worker.kinds import KINDS
+from worker.stores.provenance import REFERENCES, source
 
 _EXPLORER = Path(__file__).parents[1] / "explorer"
 _API_PAGE = Path(__file__).parents[1] / "api_page"
@@ -39,6 +40,12 @@ def get_kinds() -> JSONResponse:
 def get_additions() -> JSONResponse:
     """What packages add to basins, as the explorer draws it and says it."""
     return JSONResponse([addition.page() for addition in additions()], headers=_ASKED_AGAIN)
+
+
+@router.get("/explorer/citation.json")
+def get_citation() -> JSONResponse:
+    """What a caption cites."""
+    return JSONResponse({"program": source(), "paper": REFERENCES}, headers=_ASKED_AGAIN)
 
 
 @router.get("/docs")

@@ -7,6 +7,7 @@ from urllib.parse import parse_qs, urlsplit
 
 import numpy as np
 import pytest
+from PIL import Image
 from playwright.sync_api import expect
 
 from rattle_kernels import Oscillator, time_history
@@ -323,6 +324,7 @@ def test_what_is_taken_away_is_what_made_the_picture(opened, finished):
         "Whole job (SVG)": b"<?xml",
         "Whole job (PDF)": b"%PDF",
         "Table (CSV)": b"name,share,kind",
+        "Result (NetCDF)": b"CDF",
     }
     for name, first in files.items():
         with page.expect_download() as download:
@@ -341,10 +343,43 @@ def test_a_picture_of_what_is_seen_has_its_window_layer_colours_and_overlays(ope
     with page.expect_request(re.compile(r"/picture\.svg")) as asked:
         page.get_by_role("button", name="What is seen (SVG)").click()
     query = parse_qs(urlsplit(asked.value.url).query)
+    assert query.pop("colours")[0].startswith("P(1,1,0):56b4e9")
     assert query == {
         "layer": ["step"], "palette": ["colour_blind"], "window": [window], "overlays": ["grazing"], "panel": ["0"],
+        "editable": ["true"], "overlay_key": ["true"], "caption": ["true"],
     }  # fmt: skip
     assert asked.value.response().ok
+
+
+def test_a_picture_for_a_paper_has_its_size_a_caption_and_a_key(opened, finished):
+    page = opened.page
+    page.locator("#away summary").click()
+    caption = page.locator("#takeaway pre[aria-label=Caption]").inner_text()
+    for words in (
+        "δ = 0.6",
+        "v from 0 to 7",
+        f"k = {finished['request']['iterations']}",
+        "doi:10.1142/S021812740902283X",
+    ):
+        assert words in caption
+    page.get_by_label("Width, mm").fill("86")
+    page.get_by_label("Letters, points").fill("7")
+    with page.expect_download() as download:
+        page.get_by_role("button", name="What is seen (PNG)").click()
+    picture = Image.open(download.value.path())
+    picture.load()
+    assert picture.width == 1016 and round(picture.info["dpi"][0]) == 300
+    assert picture.info["Description"] == caption
+    # The sign of the grazing curve has a ground of its own, which nothing else has.
+    assert (0x48, 0x50, 0x5C) in {colour for _, colour in picture.convert("RGB").getcolors(1 << 24)}
+    with page.expect_request("**/picture.svg?*") as asked:
+        page.get_by_role("button", name="What is seen (SVG)").click()
+    query = parse_qs(urlsplit(asked.value.url).query)
+    assert (query["width"], query["dpi"], query["font_size"]) == (["86"], ["300"], ["7"])
+    page.get_by_label("Width, mm").fill("1200")
+    page.get_by_label("Dots per inch").fill("1200")
+    page.get_by_role("button", name="What is seen (PNG)").click()
+    expect(page.locator("#state")).to_contain_text("A picture has at most 40 million pixels")
 
 
 def test_light_and_dark_follow_the_system_and_the_switch(opened):

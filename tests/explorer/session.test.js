@@ -3,7 +3,7 @@ import { test } from "node:test";
 
 import { isMarked, paintTextures, texturesOf } from "../../service/explorer/js/plane/palette.js";
 import { POOLS, TEXTURES } from "../../service/explorer/js/plane/pools.js";
-import { inKeptColours, paintOfName } from "../../service/explorer/js/plane/session.js";
+import { inKeptColours, paintOfName, paintsText } from "../../service/explorer/js/plane/session.js";
 
 const POOL = POOLS.colour_blind;
 const OWN = { "permanent contact": "#141f40", "P(1,1,0)": "#56b4e9" };
@@ -92,4 +92,12 @@ test("cells of a colour that is used again are marked", () => {
   }
   assert.ok(isMarked(1, 7, 7) && isMarked(2, 7, 3) && !isMarked(1, 7, 3));
   assert.equal(texturesOf(/** @type {any} */ ({ solutions: solutions.slice(0, 1) }), look), null);
+});
+
+test("a picture of the service is asked for in the colours that motions have here", () => {
+  const session = new Map([["colour_blind", new Map([["P(2,2,2)", { colour: POOL[3], texture: 2 }]])]]);
+  const outline = inKeptColours(basin({ "permanent contact": 0.4, "P(2,2,2)": 0.3, "P(3,3,0)": 0.3 }), session);
+  outline.solutions[0].kind = "permanent_contact";
+  const other = paintOfName("P(3,3,0)", "colour_blind", session);
+  assert.equal(paintsText(outline.solutions, "colour_blind"), `P(2,2,2):${POOL[3].slice(1)}/2;P(3,3,0):${other.colour.slice(1)}`);
 });

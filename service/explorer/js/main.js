@@ -308,8 +308,8 @@ function caption() {
 
 function takeaway() {
   const request = jobs.job?.request ?? (at.request && machine.named(at.request));
-  const seen = { plane, motions, caption: document.title, overlays: overlays.drawn, panel: at.panel };
-  if (request) showTakeaway(by("takeaway"), { job: at.edited ? null : jobs.job, request, ...seen });
+  const seen = { plane, motions, title: by("shown").textContent, oscillator: screen.oscillator, overlays: overlays.drawn, panel: at.panel };
+  if (request) attempt(() => showTakeaway(by("takeaway"), { job: at.edited ? null : jobs.job, request, ...seen }));
 }
 
 function restyle(look) {

@@ -1,8 +1,10 @@
 """The page of the API needs nothing but the service."""
 
 import re
+from pathlib import Path
 
 import pytest
+import yaml
 
 from tests.service.idle_service import idle_service
 from worker.kinds import KINDS
@@ -36,6 +38,14 @@ def test_the_explorer_is_told_all_kinds_with_their_routes(service):
     assert list(kinds) == list(KINDS) and all(kind["title"] for kind in kinds.values())
     routes = service.request("GET", "/openapi.json").json()["paths"]
     assert all("post" in routes[kind["path"]] for kind in kinds.values())
+
+
+def test_the_explorer_is_told_what_a_caption_cites(service):
+    cited = service.request("GET", "/explorer/citation.json").json()
+    known = yaml.safe_load((Path(__file__).parents[3] / "CITATION.cff").read_text())
+    (paper,) = (each for each in known["references"] if each["type"] == "article")
+    assert cited["program"] == f"{known['title']} {known['version']}"
+    assert paper["doi"] in cited["paper"] and paper["title"] in cited["paper"] and str(paper["year"]) in cited["paper"]
 
 
 def test_the_pages_take_addresses_that_hold_what_is_seen(service):

@@ -23,6 +23,35 @@ export function windowInWords({ t0, t1, v0, v1 }) {
   return `t from ${short(t0, t1 - t0)} to ${short(t1, t1 - t0)}, v from ${short(v0, v1 - v0)} to ${short(v1, v1 - v0)}`;
 }
 
+/** What each layer's colours are. */
+const LAYERS = {
+  solution: "Colours are the motions that departures end in.",
+  step: "Colours are Hsu's steps: how soon the cycle of cells is reached.",
+  group: "Colours are Hsu's groups: which cycle of cells is reached.",
+  period: "Colours are Hsu's periods: how long the cycle of cells is.",
+};
+
+/**
+ * What a picture shows, in sentences that can stand below it: parameters, window, and what to cite.
+ * @param {object} seen
+ * @param {Oscillator} seen.oscillator
+ * @param {import("../plane/picture.js").Picture} seen.picture on top
+ * @param {View} seen.view
+ * @param {string} seen.layer
+ * @param {number|null} seen.iterations of a job
+ * @param {{program: string, paper: string}} seen.cited
+ */
+export function captionOf({ oscillator, picture, view, layer, iterations, cited }) {
+  const { time, velocity } = picture.outline;
+  const from = picture.isPreview ? ", a preview" : `, k = ${iterations}`;
+  return [
+    `Basins of attraction of a rattling gear pair. ${oscillatorInWords(oscillator)}.`,
+    `Departures at ${windowInWords(view)}, ${time.cells} × ${velocity.cells} cells${from}.`,
+    LAYERS[picture.isPreview ? "solution" : layer],
+    `Computed with ${cited.program}. ${cited.paper}.`,
+  ].join(" ");
+}
+
 /**
  * Where the picture comes from: {words, kind}.
  * @param {import("../plane/picture.js").Picture|null} picture the picture on top

@@ -1,14 +1,22 @@
 /** What can be taken away: the picture that is seen, the tables, the request, the code that computes it. */
 
+import { captionOf } from "../look/caption.js";
 import { pythonOf } from "../look/python.js";
-import { pathOf, send } from "../net/api.js";
+import { get, pathOf, send } from "../net/api.js";
 import { frame } from "../net/frame.js";
+import { paintsText } from "../plane/session.js";
 import { windowText } from "../state/address.js";
 import { stepsOf } from "../state/steps.js";
 import { hasCells } from "./still.js";
+import { FIELDS, printingOf, USUAL } from "./paper.js";
 import { pictureOf } from "./photograph.js";
 import { asCsv, saveBlob } from "./save.js";
 import { attempt } from "./say.js";
+
+/** The size on paper that was last asked for. */
+const paper = { ...USUAL };
+/** The program and the paper to cite, once they are known. @type {{program: string, paper: string}|null} */
+let cited = null;
 
 function copyable(title, text) {
   const heading = document.createElement("h2");
@@ -46,21 +54,27 @@ function sharesCsv(picture) {
   return asCsv([["solution", "share"], ...picture.outline.solutions.map(({ name, number }) => [name, shares[number]])]);
 }
 
-/** What the service's picture takes of what is seen. */
-function asQuery({ layer, palette, window, overlays, panel }) {
-  const given = Object.entries({ layer, palette, window, overlays, panel }).filter(([, value]) => value !== undefined);
-  return `?${new URLSearchParams(given)}`;
+/** What the service's picture takes of what is seen, beside what makes it one for a paper. */
+function asQuery({ layer, palette, window, overlays, panel, colours }) {
+  const given = Object.entries({ layer, palette, window, overlays, panel, colours }).filter(([, value]) => value !== undefined);
+  return new URLSearchParams(given);
+}
+
+/** How the service makes a picture one for a paper. */
+function printed() {
+  return Object.entries({ ...printingOf(paper), editable: true, overlay_key: true, caption: true });
 }
 
 /** Files that can be saved: a title, a name, and how to get it. */
-function filesOf({ job, plane, motions, caption, overlays, panel }) {
+function filesOf({ job, plane, motions, title, caption, overlays, panel }) {
   const cells = !job || hasCells(job);
   const name = job ? `${job.kind}-${job.id.slice(0, 8)}` : "preview";
   const files = [];
-  const drawn = (ending, query) => () => fetched(`${job.links.picture.replace(/png$/, ending)}${query}`);
-  if (cells && plane.picture) files.push(["What is seen (PNG)", `${name}.png`, () => pictureOf(plane, caption)]);
+  const drawn = (ending, query) => () => fetched(`${job.links.picture.replace(/png$/, ending)}?${new URLSearchParams([...query, ...printed()])}`);
+  if (cells && plane.picture) files.push(["What is seen (PNG)", `${name}.png`, () => pictureOf(plane, { title, caption, overlays }, paper)]);
+  const look = cells && job ? { ...plane.look, colours: plane.picture ? paintsText(plane.picture.outline.solutions, plane.look.palette) : undefined } : {};
   if (cells && job) {
-    const query = asQuery({ ...plane.look, window: windowText(plane.view), overlays: overlays.join(","), panel });
+    const query = asQuery({ ...look, window: windowText(plane.view), overlays: overlays.join(","), panel });
     for (const ending of ["svg", "pdf"]) {
       files.push([`What is seen (${ending.toUpperCase()})`, `${name}.${ending}`, drawn(ending, query)]);
     }
@@ -69,14 +83,43 @@ function filesOf({ job, plane, motions, caption, overlays, panel }) {
   if (motions.followed.size) files.push(["Histories (CSV)", `${name}-histories.csv`, () => historyCsv(motions)]);
   if (!job) return files;
   for (const ending of ["png", "svg", "pdf"]) {
-    files.push([`Whole job (${ending.toUpperCase()})`, `${name}-whole.${ending}`, drawn(ending, cells ? asQuery(plane.look) : "")]);
+    files.push([`Whole job (${ending.toUpperCase()})`, `${name}-whole.${ending}`, drawn(ending, asQuery(look))]);
   }
   files.push(["Table (CSV)", `${name}.csv`, () => fetched(`${job.links.result}.csv`)]);
+  files.push(["Result (NetCDF)", `${name}.nc`, () => fetched(`${job.links.result}.nc`)]);
   return files;
 }
 
-/** Show what can be taken away. */
-export function showTakeaway(place, seen) {
+/** Fields of a size on paper, as pictures are saved. */
+function paperFields() {
+  const set = Object.assign(document.createElement("fieldset"), { className: "paper" });
+  set.append(Object.assign(document.createElement("legend"), { textContent: "Size on paper; empty: as on the screen" }));
+  for (const [name, words] of FIELDS) {
+    const label = Object.assign(document.createElement("label"), { textContent: words });
+    const input = Object.assign(document.createElement("input"), { name, value: paper[name], inputMode: "decimal", autocomplete: "off" });
+    input.addEventListener("input", () => (paper[name] = input.value));
+    label.append(input);
+    set.append(label);
+  }
+  return set;
+}
+
+/** What the plane shows, in sentences; empty where it shows no cells, or nothing is known of what to cite. */
+function captionHere({ plane, job, oscillator }) {
+  if (!plane.picture || !oscillator || !cited) return "";
+  return captionOf({ oscillator, picture: plane.picture, view: plane.view, layer: plane.look.layer, iterations: job?.request.iterations ?? null, cited });
+}
+
+/** Show what can be taken away: at once, and with a caption as soon as it is known what to cite. */
+export async function showTakeaway(place, given) {
+  list(place, given);
+  if (cited) return;
+  cited = await get("explorer/citation.json");
+  list(place, given);
+}
+
+function list(place, given) {
+  const seen = { ...given, caption: captionHere(given) };
   const { job, request } = seen;
   const files = document.createElement("p");
   files.className = "files";
@@ -85,7 +128,7 @@ export function showTakeaway(place, seen) {
     button.addEventListener("click", () => attempt(async () => saveBlob(await get(), name)));
     return button;
   }));
-  const blocks = [];
+  const blocks = seen.caption ? copyable("Caption", seen.caption) : [];
   // In a notebook nothing has an address.
   if (job && !frame) {
     const zarr = new URL(job.links.zarr, location.href).href;
@@ -94,7 +137,7 @@ export function showTakeaway(place, seen) {
   // A design is a list of machines, which Python would give in other words.
   if (request.grid && !request.sample && !request.design) blocks.push(...copyable("Python that computes it", pythonOf(request)));
   blocks.push(...copyable("JSON", JSON.stringify(request, null, 1)));
-  place.replaceChildren(files, ...blocks);
+  place.replaceChildren(paperFields(), files, ...blocks);
   if (frame) return;
   const url = new URL(pathOf(job ?? { kind: stepsOf(request).length ? "sweep" : "basin" }), location.href).href;
   const curl = `curl -X POST ${url} \\\n  -H 'content-type: application/json' \\\n  -d '${JSON.stringify(request)}'`;

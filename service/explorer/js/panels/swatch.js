@@ -4,7 +4,7 @@ import { element } from "../charts/chart.js";
 import { inkOn } from "../plane/palette.js";
 
 // Stripes up, as on the plane, where speeds increase upwards; stripes down; dots.
-const TEXTURES = ["", "M15 9L9 15 M15 1L1 15 M7 1L1 7", "M1 9L7 15 M1 1L15 15 M9 1L15 7", "M4 4h.1 M12 4h.1 M8 8h.1 M4 12h.1 M12 12h.1"];
+export const TEXTURES = ["", "M15 9L9 15 M15 1L1 15 M7 1L1 7", "M1 9L7 15 M1 1L15 15 M9 1L15 7", "M4 4h.1 M12 4h.1 M8 8h.1 M4 12h.1 M12 12h.1"];
 
 /** A colour; hatched for what a mask marks; with the texture that marks its cells. */
 export function swatch(colour, hatched = false, texture = 0) {

@@ -8,6 +8,11 @@ import { Plot } from "./plot.js";
 import { drawLabel, drawSwipe } from "./swipe.js";
 import { layVeil } from "./veil.js";
 
+/** A canvas of a size in pixels of the page, which is not on it. */
+function canvasOf(clientWidth, clientHeight) {
+  return Object.defineProperties(document.createElement("canvas"), { clientWidth: { value: clientWidth }, clientHeight: { value: clientHeight } });
+}
+
 export class Pane {
   /**
    * @param {import("./plane.js").Plane} plane
@@ -39,9 +44,20 @@ export class Pane {
 
   draw() {
     if (!this.canvas.clientWidth) return;
+    this.#drawOn((this.plot = new Plot(this.canvas, this.plane.view)));
+  }
+
+  /** The same at another size, on a canvas of its own. @param {number} width @param {number} height @param {number} ratio */
+  copy(width, height, ratio) {
+    const canvas = canvasOf(width, height);
+    const plot = new Plot(canvas, this.plane.view, ratio);
+    this.#drawOn(plot);
+    return { canvas, plot };
+  }
+
+  #drawOn(plot) {
     const { plane } = this;
     const { beside } = plane;
-    const plot = (this.plot = new Plot(this.canvas, plane.view));
     plot.clear();
     if (!plane.drag) this.bitmaps.clear();
     plot.clipped(() => {
@@ -89,8 +105,7 @@ export class Pane {
   }
 
   #bitmapOf(view, overlays, picture) {
-    const canvas = document.createElement("canvas");
-    for (const name of ["clientWidth", "clientHeight"]) Object.defineProperty(canvas, name, { value: this.canvas[name] });
+    const canvas = canvasOf(this.canvas.clientWidth, this.canvas.clientHeight);
     const plot = new Plot(canvas, view);
     plot.clipped(() => overlays.forEach((overlay) => drawOverlay(plot, overlay, picture)));
     return { canvas, view, left: plot.left, top: plot.top };

@@ -11,10 +11,13 @@ const LEAST_LEFT = 44;
 const FONT = '12px system-ui, "DejaVu Sans", sans-serif';
 
 export class Plot {
-  /** @param {HTMLCanvasElement} canvas @param {{t0: number, t1: number, v0: number, v1: number}} view */
-  constructor(canvas, view) {
+  /**
+   * @param {HTMLCanvasElement} canvas
+   * @param {{t0: number, t1: number, v0: number, v1: number}} view
+   * @param {number} [ratio] pixels of the canvas for each of the page
+   */
+  constructor(canvas, view, ratio = window.devicePixelRatio || 1) {
     this.view = view;
-    const ratio = window.devicePixelRatio || 1;
     this.size = { width: canvas.clientWidth, height: canvas.clientHeight };
     const [wide, high] = [Math.round(this.size.width * ratio), Math.round(this.size.height * ratio)];
     if (canvas.width !== wide || canvas.height !== high) [canvas.width, canvas.height] = [wide, high];

@@ -77,3 +77,15 @@ export function inKeptColours(outline, session = KEPT) {
   }
   return { ...outline, solutions: changed };
 }
+
+/**
+ * Colours of the motions of a basin as the service's pictures take them, so that these have the same.
+ * @param {Solution[]} solutions
+ * @param {string} palette
+ */
+export function paintsText(solutions, palette) {
+  return solutions.filter(({ kind }) => kind === "periodic").map(({ number, colours, textures }) => {
+    const texture = textures?.[palette] ? `/${textures[palette]}` : "";
+    return `${keyOf(solutions, number)}:${colours[palette].slice(1)}${texture}`;
+  }).join(";");
+}
