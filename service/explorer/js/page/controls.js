@@ -2,6 +2,9 @@
 
 import { by } from "./by.js";
 import { entries } from "../state/entries.js";
+import { setUpGlossary } from "../help/glossary.js";
+import { setUpOverview } from "../help/overview.js";
+import { Tour } from "../help/tour.js";
 import { listRecent } from "./recent.js";
 import { attempt } from "./say.js";
 
@@ -13,7 +16,7 @@ function toggle(button, attribute = "aria-pressed") {
 
 /** Menus close when something else is clicked, or with Escape. */
 function setUpMenus() {
-  const menus = [by("away"), by("display")];
+  const menus = [by("away"), by("display"), by("help")];
   document.addEventListener("click", (event) => {
     for (const menu of menus) if (!menu.contains(event.target)) menu.open = false;
   });
@@ -35,6 +38,16 @@ export function enableTools(on) {
 export function enableSteps() {
   by("back").disabled = !entries.hasEarlier;
   by("forward").disabled = !entries.hasLater;
+}
+
+function setUpHelp() {
+  setUpGlossary(by("term"), by("words"));
+  setUpOverview(by("keys"), by("keys-list"), by("keys-open"));
+  const tour = new Tour(by("tour"), by("help").querySelector("summary"));
+  by("tour-begin").addEventListener("click", () => {
+    by("help").open = false;
+    tour.start();
+  });
 }
 
 /**
@@ -63,4 +76,5 @@ export function setUpControls({ plane, jobs, restyle, whole, takeaway }) {
   by("away").addEventListener("toggle", () => by("away").open && takeaway());
   by("recent").addEventListener("toggle", () => by("recent").open && attempt(() => listRecent(by("recent").querySelector("ul"))));
   setUpMenus();
+  setUpHelp();
 }

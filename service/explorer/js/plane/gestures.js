@@ -1,6 +1,7 @@
 /** Pointer, wheel and keys on the plane: panning, zooming, boxes, pinches, picking. */
 
 import { scaled, within } from "../state/window.js";
+import { doneBy } from "./keys.js";
 
 const CLICK_PIXELS = 4;
 
@@ -135,22 +136,24 @@ export class Gestures {
   }
 
   #key(event) {
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const done = doneBy(event);
     const { plane } = this;
+    if (!done || (done === "pick" || done === "second") && !plane.crossHair) return;
+    const [across, up] = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key] ?? [0, 0];
     const { t0, t1, v0, v1 } = plane.view;
-    const along = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
-    if (along && event.shiftKey) {
-      const [dt, dv] = [((t1 - t0) / 8) * along[0], ((v1 - v0) / 8) * along[1]];
-      plane.go({ t0: t0 + dt, t1: t1 + dt, v0: v0 + dv, v1: v1 + dv });
-    } else if (along) {
-      this.#moveCrossHair(along);
-    } else if (event.key === "+" || event.key === "=") plane.zoom(0.7);
-    else if (event.key === "-") plane.zoom(1 / 0.7);
-    else if (event.key === "0") plane.tell.whole();
-    else if (event.key === "Enter" && plane.crossHair) plane.tell.picked(this.pane.place(plane.crossHair), false);
-    else if (event.key === "b" && plane.crossHair) plane.tell.picked(this.pane.place(plane.crossHair), true);
-    else if (event.key === "Escape") plane.crossHair = null;
-    else return;
+    const [dt, dv] = [((t1 - t0) / 8) * across, ((v1 - v0) / 8) * up];
+    /** @type {Object<string, () => void>} */
+    const acts = {
+      shift: () => plane.go({ t0: t0 + dt, t1: t1 + dt, v0: v0 + dv, v1: v1 + dv }),
+      point: () => this.#moveCrossHair([across, up]),
+      nearer: () => plane.zoom(0.7),
+      farther: () => plane.zoom(1 / 0.7),
+      whole: () => plane.tell.whole(),
+      pick: () => plane.tell.picked(this.pane.place(plane.crossHair), false),
+      second: () => plane.tell.picked(this.pane.place(plane.crossHair), true),
+      drop: () => (plane.crossHair = null),
+    };
+    acts[done]();
     event.preventDefault();
     plane.draw();
   }
