@@ -4,7 +4,7 @@ import contextlib
 import io
 import re
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from importlib.metadata import version
 from typing import Annotated, Any, TypeVar
@@ -21,6 +21,7 @@ from service.models.results import AnyResult
 from service.routes.dependencies import LARGE, JobId, JobsHere, SettingsHere, problems, require_kind
 from worker.errors import InvalidJob
 from worker.kinds import KINDS
+from worker.pictures.annotations import parse_annotations
 from worker.pictures.colours import USUAL, Palette, parse_paints
 from worker.pictures.figure_file import PictureFormat, save_figure
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, parse_overlays
@@ -147,6 +148,10 @@ ColoursAsked = Annotated[
         max_length=4000,
     ),
 ]
+NotesAsked = Annotated[Sequence[str], Query(description="Pinned points with labels, as in `0.3,4.1,here`")]
+MeasuresAsked = Annotated[
+    Sequence[str], Query(description="Lines with the distance between two points, as in `0.3,4.1,0.5,4.4`")
+]
 KeyAsked = Annotated[bool, Query(description="Whether all that lies over basins is named, also marks")]
 CaptionAsked = Annotated[bool, Query(description="Whether the file has a caption with parameters and what to cite")]
 OverlaysAsked = Annotated[str, Query(description=f"What lies over basins, of {','.join(OverlayKind)}", max_length=100)]
@@ -173,6 +178,8 @@ def get_picture(
     palette: Palette = USUAL,
     colours: ColoursAsked = "",
     overlay_key: KeyAsked = False,
+    note: NotesAsked = (),
+    measure: MeasuresAsked = (),
     caption: CaptionAsked = False,
     printing: PrintingAsked = AS_DRAWN,
     if_none_match: IfNoneMatch = None,
@@ -181,8 +188,10 @@ def get_picture(
     location, kind = location_of(job_id, jobs, settings), KINDS[jobs.get(job_id).kind]
     picture_format = PictureFormat.of_file(request.url.path)
     shown = parse_window(window) if window is not None else None
-    own = parse_paints(colours)
-    look = Look(layer, parse_overlays(overlays), shown, panel, palette, own, overlay_key=overlay_key)
+    own, written = parse_paints(colours), parse_annotations(note, measure)
+    look = Look(
+        layer, parse_overlays(overlays), shown, panel, palette, own, overlay_key=overlay_key, annotations=written
+    )
     # Computed before drawing: a tile that arrives while drawing is in the picture and changes the next ETag.
     etag = etag_of(kind.fingerprint(location), repr((look, printing, caption)), picture_format, _VERSION)
     known = not_modified(etag, if_none_match)

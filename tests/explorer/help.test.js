@@ -39,7 +39,7 @@ test("each key of the overview does something on the plane, and no other does", 
   const plane = /** @type {any} */ ({
     view: { t0: 0, t1: 1, v0: 0, v1: 7 }, crossHair: { t: 0.5, v: 3 }, draw: () => {},
     go: () => done.push("window"), zoom: (factor) => done.push(factor < 1 ? "in" : "out"),
-    tell: { whole: () => done.push("whole"), picked: (_, second) => done.push(second ? "second" : "first"), hovered: () => done.push("cross-hair") },
+    tell: { annotated: (name) => done.push(name), whole: () => done.push("whole"), picked: (_, second) => done.push(second ? "second" : "first"), hovered: () => done.push("cross-hair") },
   });
   const canvas = /** @type {any} */ (new EventTarget());
   new Gestures(plane, /** @type {any} */ ({ place: (at) => at }), canvas);
@@ -51,7 +51,7 @@ test("each key of the overview does something on the plane, and no other does", 
   };
   const results = KEYS.map(({ keys, shift }) => keys.map((key) => String(press(key, shift ?? false))));
   assert.deepEqual(results.map((each) => new Set(each).size), KEYS.map(() => 1));
-  assert.deepEqual(results.map(([first]) => first), ["window", "cross-hair", "in", "out", "whole", "first", "second", ""]);
+  assert.deepEqual(results.map(([first]) => first), ["window", "cross-hair", "in", "out", "whole", "first", "second", "pin", "end", "unpin", ""]);
   assert.equal(plane.crossHair, null);
   assert.equal(press("Enter", false), null, "without a cross-hair there is nothing to follow");
   assert.equal(press("x", false), null);

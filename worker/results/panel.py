@@ -22,6 +22,7 @@ from worker.additions import additions
 from worker.errors import StoreFailed
 from worker.jobs.basin_job import BasinJob
 from worker.pictures import colours
+from worker.pictures.annotations import Annotation
 from worker.pictures.overlay import Overlay
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, masks_among, overlays_for
 from worker.pictures.window import Window, whole_window
@@ -73,6 +74,8 @@ class Look:
         Whether the motions are listed.
     overlay_key : bool
         Whether every overlay that is drawn is named: also its marks, and where no motions are listed.
+    annotations : tuple of Annotation
+        What a reader has written on each basin.
     """
 
     layer: Layer = Layer.SOLUTION
@@ -83,6 +86,7 @@ class Look:
     own_colours: Mapping[str, colours.Colour | colours.Paint] = field(default_factory=dict)
     legend: bool = True
     overlay_key: bool = False
+    annotations: tuple[Annotation, ...] = ()
 
 
 USUAL_LOOK = Look()
@@ -349,6 +353,8 @@ class Panel:
         oscillator = self.job.oscillator_of(self.number)
         for overlay in overlays_for(self.look.overlays, oscillator, self.attractors, speeds):
             overlay.draw(axes, self.window.time_start)
+        for annotation in self.look.annotations:
+            annotation.draw(axes, self.window.time_start)
         axes.set_xlim(self.window[:2])
         axes.set_ylim(self.window[2:])
 

@@ -14,6 +14,7 @@ import { showState } from "./page/state.js";
 import { hasCells, Still } from "./page/still.js";
 import { listen, noteCompute, tell } from "./page/notebook.js";
 import { showTakeaway } from "./page/takeaway.js";
+import { Annotations } from "./panels/annotations.js";
 import { Comparison } from "./panels/comparison.js";
 import { Diagrams } from "./panels/diagrams.js";
 import { Examples } from "./panels/examples.js";
@@ -47,7 +48,7 @@ const REST_MS = 350;
  */
 const at = { request: null, edited: true, panel: 0, whole: { t0: 0, t1: 1, v0: 0, v1: 7 }, opening: {}, embed: false, rest: 0, sliding: false, refused: false, offered: null, doubts: "", asked: new Set() };
 
-const plane = new Plane([{ canvas: by("plane"), marks: by("marks") }, { canvas: by("plane-kept"), marks: by("marks-kept") }], { moved, hovered: (place) => hover.at(place), picked: (place, second) => oscillatorAt(place) && motions.pick(place, second), whole: () => plane.go(at.whole) });
+const plane = new Plane([{ canvas: by("plane"), marks: by("marks") }, { canvas: by("plane-kept"), marks: by("marks-kept") }], { moved, hovered: (place) => hover.at(place), picked: (place, second) => oscillatorAt(place) && motions.pick(place, second), whole: () => plane.go(at.whole), annotated });
 const marks = new Marks(plane);
 const screen = new Screen(plane, { changed: pictureChanged, turned, left, failed: previewFailed, alone: () => ["idle", "refused"].includes(jobs.life.phase) });
 const form = new Form(by("ask"), { submitted: compute, edited, bounds: (bounds) => turn.bound(bounds), part: (request) => screen.partOf(request), sound });
@@ -60,6 +61,7 @@ const overlays = new OverlayList(by("overlays"), plane, () => remember(false));
 const sweep = new Sweep(by("sweep"), openPanel, () => remember(true));
 const still = new Still(by("still"));
 const comparison = new Comparison({ button: by("keep"), range: by("swipe"), side: by("side"), frame: by("frame") }, plane, { seen: keptHere, changed: keptChanged, ended: () => motions.forgetKept(), failed: previewFailed });
+const annotations = new Annotations({ button: by("annotate"), box: by("label") }, plane, () => remember(false));
 const charts = {
   orbits: new Orbits({ oscillator: () => screen.oscillator, changed: remember, colour: (name) => plane.paintOf(name).colour, pick: (departure) => motions.pick(departure, false, true) }).panel,
   bifurcation: new Diagrams({ oscillator: () => screen.oscillator, changed: remember, paint: (name) => plane.paintOf(name), turn: (name, value) => (form.set(name, value), compute(form.request())) }).panel,
@@ -153,6 +155,14 @@ function requestHere() {
   const { grid, iterations } = form.request();
   const cells = { time: grid.time.cells, velocity: grid.velocity.cells };
   return { oscillator: screen.oscillator, grid: axesOf(plane.view, cells), iterations };
+}
+
+/** Something is pinned, measured or removed on the plane. */
+function annotated(done, place, from) {
+  if (done === "pin") annotations.pin(place);
+  else if (done === "measure") annotations.measure(from, place);
+  else if (done === "end") annotations.end(place);
+  else annotations.drop(place);
 }
 
 /** The oscillator of the basin in which a place is. @param {Place} place */
@@ -328,7 +338,7 @@ function remember(isNew) {
   const { layer, palette, highlight } = plane.look;
   const job = at.edited || jobs.life.phase === "asking" ? null : jobs.job;
   const pictured = job && !hasCells(job) ? {} : { request: at.request, view: plane.view, whole: at.whole };
-  const seen = { embed: at.embed, job: job?.id, panel: at.panel, layer, palette, highlight, overlays: overlays.names, motions: motions.startsOf(false), ...comparison.seen(motions.startsOf(true)), machine: machine.scalesOf(at.request?.oscillator ?? null) ? machine.written : null, charts: chartsSeen(), ...pictured };
+  const seen = { embed: at.embed, job: job?.id, panel: at.panel, layer, palette, highlight, overlays: overlays.names, motions: motions.startsOf(false), annotated: plane.annotated, ...comparison.seen(motions.startsOf(true)), machine: machine.scalesOf(at.request?.oscillator ?? null) ? machine.written : null, charts: chartsSeen(), ...pictured };
   entries.write(encode(seen), isNew);
   tell(seen, isNew);
   enableSteps();
@@ -357,6 +367,7 @@ async function openAddress() {
   restyle({ layer, palette, highlight });
   [by("layer").value, by("palette").value] = [layer, palette];
   overlays.choose(seen.overlays);
+  annotations.show(seen.annotated);
   try {
     if (request) show(request, seen);
     if (seen.machine) await machine.open(seen.machine);

@@ -123,6 +123,7 @@ def test_a_picture_can_be_that_of_what_is_seen(service, finished):
         ("dpi=5000", "query.dpi"),
         ("font_size=0", "query.font_size"),
         ("width=1200&height=1200&dpi=1200", "at most 40 million pixels"),
+        ("note=here", "a note is a time, a speed and a label"),
         ("colours=P(1,1,0):blue", "a motion's colour is written as"),
     ],
 )

@@ -10,9 +10,11 @@ from matplotlib.text import Text
 from PIL import Image
 
 from worker.errors import InvalidJob
+from worker.pictures.annotations import parse_annotations
 from worker.pictures.colours import Paint, parse_paints
 from worker.pictures.figure_file import PictureFormat, new_figure, save_figure
 from worker.pictures.printing import MOST_PIXELS, Printing
+from worker.pictures.window import Window
 from worker.results.caption import caption_of
 from worker.results.figure import basin_figure
 from worker.results.opening import open_basin
@@ -144,6 +146,32 @@ def test_motions_have_the_colours_that_are_given(store):
     upper_left = {tuple(colour) for colour in image[64:, :64].reshape(-1, 3).tolist()}
     assert upper_left == {(0.0, 1.0, 0.0), (0.0, 0.0, 0.0)}
     assert {tuple(colour) for colour in image[64:, 64:].reshape(-1, 3).tolist()} == {(16 / 255, 32 / 255, 48 / 255)}
+
+
+def test_annotations_are_drawn_in_the_period_that_is_seen_and_in_no_legend(store):
+    written = parse_annotations(["0.3,4.1,a fold, here"], ["0.9,1,1.1,2.5"])
+    look = Look(window=Window(0.75, 1.25, 0.0, 7.0), annotations=written, overlay_key=True)
+    axes = basin_figure(store.location, look).axes[0]
+    told = {text.get_text(): text.xy for text in axes.texts}
+    assert told["a fold, here"] == pytest.approx((1.3, 4.1))
+    assert told["Δt = 0.2, Δv = 1.5"] == pytest.approx((1.0, 1.75))
+    assert not [text for text in axes.get_legend().get_texts() if "note" in text.get_text() or "Δ" in text.get_text()]
+
+
+@pytest.mark.parametrize(
+    ("notes", "measures", "told"),
+    [
+        (["0.3"], [], "a note is a time, a speed and a label"),
+        (["a,b,c"], [], "a note is"),
+        (["0.3,inf,c"], [], "a note is"),
+        (["0.3,4," + 61 * "x"], [], "at most 60 letters"),
+        ([], ["1,2,3"], "a measure is two points"),
+        (21 * ["0.3,4,x"], [], "at most 20 notes"),
+    ],
+)
+def test_an_annotation_that_is_none_is_refused(notes, measures, told):
+    with pytest.raises(InvalidJob, match=told):
+        parse_annotations(notes, measures)
 
 
 @pytest.mark.parametrize("text", ["P(1,1,0)", "P(1,1,0):red", "P(1,1,0):00ff00/4", ":00ff00", "a:00FF00"])

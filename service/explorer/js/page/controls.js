@@ -31,7 +31,7 @@ function setUpMenus() {
 
 /** Let the window be moved, or not where there is none. */
 export function enableTools(on) {
-  for (const id of ["in", "out", "whole", "box", "layer", "keep"]) by(id).disabled = !on;
+  for (const id of ["in", "out", "whole", "box", "annotate", "layer", "keep"]) by(id).disabled = !on;
 }
 
 /** Let Back and Forward be pressed where they lead somewhere. */

@@ -5,6 +5,7 @@ import { pythonOf } from "../look/python.js";
 import { get, pathOf, send } from "../net/api.js";
 import { frame } from "../net/frame.js";
 import { paintsText } from "../plane/session.js";
+import { annotationFields } from "../state/annotations.js";
 import { windowText } from "../state/address.js";
 import { stepsOf } from "../state/steps.js";
 import { hasCells } from "./still.js";
@@ -55,9 +56,9 @@ function sharesCsv(picture) {
 }
 
 /** What the service's picture takes of what is seen, beside what makes it one for a paper. */
-function asQuery({ layer, palette, window, overlays, panel, colours }) {
+function asQuery({ layer, palette, window, overlays, panel, colours, annotated }) {
   const given = Object.entries({ layer, palette, window, overlays, panel, colours }).filter(([, value]) => value !== undefined);
-  return new URLSearchParams(given);
+  return [...given, ...(annotated ? annotationFields(annotated) : [])];
 }
 
 /** How the service makes a picture one for a paper. */
@@ -74,7 +75,7 @@ function filesOf({ job, plane, motions, title, caption, overlays, panel }) {
   if (cells && plane.picture) files.push(["What is seen (PNG)", `${name}.png`, () => pictureOf(plane, { title, caption, overlays }, paper)]);
   const look = cells && job ? { ...plane.look, colours: plane.picture ? paintsText(plane.picture.outline.solutions, plane.look.palette) : undefined } : {};
   if (cells && job) {
-    const query = asQuery({ ...look, window: windowText(plane.view), overlays: overlays.join(","), panel });
+    const query = asQuery({ ...look, window: windowText(plane.view), overlays: overlays.join(","), panel, annotated: plane.annotated });
     for (const ending of ["svg", "pdf"]) {
       files.push([`What is seen (${ending.toUpperCase()})`, `${name}.${ending}`, drawn(ending, query)]);
     }

@@ -44,9 +44,17 @@ export class Gestures {
     return this.drag?.box ? this.drag : null;
   }
 
+  /** The distance that is being measured; null if there is none. */
+  get line() {
+    const { drag } = this;
+    if (!drag?.line || !drag.moved) return null;
+    const [a, b] = [drag.plot.point(drag.from.x, drag.from.y), drag.plot.point(drag.to.x, drag.to.y)];
+    return { t0: a.t, v0: a.v, t1: b.t, v1: b.v };
+  }
+
   /** Whether the window is being dragged. */
   get panning() {
-    return this.drag !== null && this.drag.moved && !this.drag.box;
+    return this.drag !== null && this.drag.moved && !this.drag.box && !this.drag.line;
   }
 
   #wheel(event) {
@@ -67,7 +75,7 @@ export class Gestures {
       this.pinch = { ...pairOf(this.pointers), view: this.plane.view, plot: this.pane.plot };
     } else {
       const boxing = this.plane.boxing || event.shiftKey;
-      this.drag = { from: at, to: at, view: this.plane.view, plot: this.pane.plot, moved: false, box: false, boxing };
+      this.drag = { from: at, to: at, view: this.plane.view, plot: this.pane.plot, moved: false, box: false, boxing, line: this.plane.annotating && !event.shiftKey };
     }
   }
 
@@ -94,10 +102,14 @@ export class Gestures {
   }
 
   #pull(to) {
-    const { from, view, plot, boxing } = this.drag;
+    const { from, view, plot, boxing, line } = this.drag;
     this.drag.to = to;
     this.drag.moved ||= Math.hypot(to.x - from.x, to.y - from.y) > CLICK_PIXELS;
     if (!this.drag.moved) return;
+    if (line) {
+      this.plane.draw();
+      return;
+    }
     if (boxing) {
       this.drag.box = true;
       this.plane.draw();
@@ -112,9 +124,12 @@ export class Gestures {
   #release(event) {
     const { drag } = this;
     const pinched = this.pinch;
+    const { line } = this;
     this.#cancel(event);
     if (pinched) {
       this.plane.go(this.plane.view);
+    } else if (line) {
+      this.plane.tell.annotated("measure", { t: line.t1, v: line.v1 }, { t: line.t0, v: line.v0 });
     } else if (drag?.box) {
       const [a, b] = [drag.plot.point(drag.from.x, drag.from.y), drag.plot.point(drag.to.x, drag.to.y)];
       const flat = Math.abs(drag.to.x - drag.from.x) < CLICK_PIXELS || Math.abs(drag.to.y - drag.from.y) < CLICK_PIXELS;
@@ -122,6 +137,8 @@ export class Gestures {
       if (!flat) this.plane.go({ t0, t1, v0, v1 });
     } else if (drag?.moved) {
       this.plane.go(this.plane.view);
+    } else if (drag?.line) {
+      this.plane.tell.annotated("pin", drag.plot.point(drag.from.x, drag.from.y));
     } else if (drag) {
       this.plane.tell.picked(this.pane.place(drag.plot.point(drag.from.x, drag.from.y)), event.shiftKey);
     }
@@ -138,7 +155,7 @@ export class Gestures {
   #key(event) {
     const done = doneBy(event);
     const { plane } = this;
-    if (!done || (done === "pick" || done === "second") && !plane.crossHair) return;
+    if (!done || ["pick", "second", "pin", "end", "unpin"].includes(done) && !plane.crossHair) return;
     const [across, up] = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key] ?? [0, 0];
     const { t0, t1, v0, v1 } = plane.view;
     const [dt, dv] = [((t1 - t0) / 8) * across, ((v1 - v0) / 8) * up];
@@ -151,6 +168,9 @@ export class Gestures {
       whole: () => plane.tell.whole(),
       pick: () => plane.tell.picked(this.pane.place(plane.crossHair), false),
       second: () => plane.tell.picked(this.pane.place(plane.crossHair), true),
+      pin: () => plane.tell.annotated("pin", plane.crossHair),
+      end: () => plane.tell.annotated("end", plane.crossHair),
+      unpin: () => plane.tell.annotated("unpin", plane.crossHair),
       drop: () => (plane.crossHair = null),
     };
     acts[done]();

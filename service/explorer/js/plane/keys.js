@@ -12,6 +12,9 @@ export const KEYS = [
   { does: "whole", keys: ["0"], shown: "0", words: "show the whole window" },
   { does: "pick", keys: ["Enter"], shown: "Enter", words: "follow the motion from the cross-hair" },
   { does: "second", keys: ["b"], shown: "b", words: "follow a second motion from there" },
+  { does: "pin", keys: ["n"], shown: "n", words: "pin a point with a label at the cross-hair" },
+  { does: "end", keys: ["d"], shown: "d, twice", words: "draw the distance between two places of the cross-hair" },
+  { does: "unpin", keys: ["Delete", "Backspace"], shown: "Delete", words: "remove the annotation nearest to the cross-hair" },
   { does: "drop", keys: ["Escape"], shown: "Esc", words: "remove the cross-hair" },
 ];
 

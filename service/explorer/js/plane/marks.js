@@ -9,7 +9,7 @@ const ARM = 9;
  * Lines twice, so that they are seen on any colour.
  * @param {CanvasRenderingContext2D} context
  */
-function strokeTwice(context) {
+export function strokeTwice(context) {
   for (const [style, width] of /** @type {[string, number][]} */ ([["rgb(0 0 0 / 55%)", 3], ["#ffffff", 1.2]])) {
     context.strokeStyle = style;
     context.lineWidth = width;

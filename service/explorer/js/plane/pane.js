@@ -1,6 +1,7 @@
 /** One canvas of the plane: the basin that is seen, with the one that was kept swiped over it; or that one alone, beside it. */
 
 import { colour } from "../page/theme.js";
+import { drawAnnotations, drawMeasure } from "./annotations.js";
 import { Gestures } from "./gestures.js";
 import { hatchMissing } from "./hatching.js";
 import { drawCrossHair, drawMotion, drawOverlay } from "./overlays.js";
@@ -64,6 +65,8 @@ export class Pane {
       this.#drawBasin(plot, this.kept);
       if (beside && !plane.side) drawSwipe(plot, beside.part, () => this.#drawBasin(plot, true));
       if (plane.crossHair) drawCrossHair(plot, plane.crossHair);
+      drawAnnotations(plot, plane.annotated);
+      if (this.gestures.line) drawMeasure(plot, this.gestures.line);
       if (this.gestures.box) this.#drawBox(plot, this.gestures.box);
     });
     plot.axes();

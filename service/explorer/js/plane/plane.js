@@ -15,6 +15,7 @@ export class Plane {
    * @param {(place: Place|null) => void} tell.hovered
    * @param {(place: Place, second: boolean) => void} tell.picked
    * @param {() => void} tell.whole
+   * @param {(done: string, place: Departure, from?: Departure) => void} tell.annotated by "pin", "measure", "end" or "unpin"
    * @param {() => void} [tell.drawn]
    */
   constructor(canvases, tell) {
@@ -31,6 +32,10 @@ export class Plane {
     this.motions = new Map();
     this.crossHair = null;
     this.boxing = false;
+    /** Whether a click pins a point and a drag measures a distance. */
+    this.annotating = false;
+    /** @type {import("../state/annotations.js").Annotated} */
+    this.annotated = { notes: [], measures: [] };
     this.sliding = false;
     this.soon = 0;
     this.panes = canvases.map((each, i) => new Pane(this, each, i > 0));

@@ -2,6 +2,7 @@
 
 import { additions, maskNames } from "./additions.js";
 import { chartFields, chartsIn, unreadCharts } from "./charts.js";
+import { annotationFields, annotationsIn } from "./annotations.js";
 import { machineIn, machineText } from "./machine.js";
 import { harmonicParameters, harmonicsOf, harmonicsText, NUMBERS } from "./oscillator.js";
 import { same, viewOf } from "./window.js";
@@ -42,6 +43,7 @@ const MODELS = { "": "impacting", piecewise_linear: "piecewise_linear" };
  * @property {number} part of the width at which that begins
  * @property {Object<string, string>|null} machine in its own units
  * @property {SeenCharts} charts below the plane
+ * @property {import("./annotations.js").Annotated} annotated points with labels, and distances
  * @property {string} compare whether it is swiped over what is seen, or lies side by side with it
  */
 
@@ -223,6 +225,7 @@ export function decode(search) {
     compare: knownOr("compare", query.get("compare")),
     machine: machineIn(query.get("machine")),
     charts: chartsIn(query),
+    annotated: annotationsIn(query),
   };
 }
 
@@ -231,7 +234,7 @@ export function decode(search) {
  * @param {Partial<Seen>} seen
  * @returns {string}
  */
-export function encode({ job, panel, request, view, whole, layer, palette, highlight, embed, overlays, motions, beside, part, compare, machine, charts }) {
+export function encode({ job, panel, request, view, whole, layer, palette, highlight, embed, overlays, motions, beside, part, compare, machine, charts, annotated }) {
   const fields = [];
   if (job) fields.push(["job", job]);
   const numbers = machineText(machine ?? {});
@@ -248,6 +251,7 @@ export function encode({ job, panel, request, view, whole, layer, palette, highl
   if (highlight) fields.push(["highlight", highlight]);
   for (const motion of motions ?? []) fields.push(["motion", motion.map(short).join(",")]);
   fields.push(...chartFields(charts ?? {}));
+  if (annotated) fields.push(...annotationFields(annotated));
   if (beside) fields.push(["beside", encode(beside)]);
   if (beside && part !== undefined && part !== USUAL.part) fields.push(["part", short(part)]);
   if (beside && compare && compare !== USUAL.compare) fields.push(["compare", compare]);
