@@ -23,16 +23,12 @@ for (const [name, request] of Object.entries({ impacts: REQUEST, springs: SPRING
     const seen = {
       job: "abc", panel: 2, request, view: { t0: 0.25, t1: 0.5, v0: 1, v1: 2 }, whole: { t0: 0, t1: 1, v0: 0, v1: 6 },
       layer: "step", palette: "paper", overlays: ["grazing", "saddles"], motions: [[0.5, 3], [0.125, 2]],
-<<<<<<< HEAD
       beside: null, part: 0.5, compare: "swipe", machine: null, highlight: "P(1,1,0)", embed: true,
       charts: {
         diagram: { parameter: "damping", x: [0.55, 0.6], y: [2, 5], job: "ghi" }, orbits: { x: null, y: null, job: "jkl" },
         shares: { x: [0.5, 0.6], y: [0, 0.5] }, power: null,
       },
-=======
-      beside: null, part: 0.5, compare: "swipe", machine: null,
       annotated: { notes: [{ t: 0.3, v: 4.1, label: "a fold, here & “there” +5 %" }, { t: 0.5, v: 2, label: "" }], measures: [{ t0: 0.1, v0: 1, t1: -0.25, v1: 2.5 }] },
->>>>>>> f2ec59ab (Annotations: pinned points with labels and distances, in the address and in saved pictures)
     };
     assert.deepEqual(decode(encode(seen)), seen);
   });
@@ -118,7 +114,6 @@ test("nothing to say is no address", () => {
   assert.equal(encode({}), "");
 });
 
-<<<<<<< HEAD
 test("whatever an address cannot mean is named, and the usual is taken", () => {
   const bad = "?damping=0.6&eccentricity=0.1&half_backlash=0.6&grid=0,1,7,0&cells=0,5&k=1.5&window=a&harmonics=x&permanent_contact=ever&motion=1&part=9&vary=nonsense,1,2&vary=damping,0.5";
   const [sentence] = doubts(bad);
@@ -133,12 +128,12 @@ test("an address that names no oscillator is completed, and says so", () => {
   const [sentence] = doubts("?grid=0,1,0,7&cells=50,50&k=61");
   assert.match(sentence, /lacks damping, eccentricity, half_backlash/);
   assert.equal(decode("?grid=0,1,0,7&cells=50,50&k=61").request.oscillator.damping, 0.6);
-=======
+});
+
 test("annotations that cannot be read are left out, and there are at most twenty of each", () => {
   const { annotated } = decode("?note=0.3,x,here&note=0.3&note=0.25,4,kept&measure=1,2,3&measure=0.1,1,0.2,2");
   assert.deepEqual(annotated, { notes: [{ t: 0.25, v: 4, label: "kept" }], measures: [{ t0: 0.1, v0: 1, t1: 0.2, v1: 2 }] });
   const many = `?${"note=0.5,1&".repeat(30)}`;
   assert.equal(decode(many).annotated.notes.length, 20);
   assert.equal(withOne(decode(many).annotated.notes, { t: 0, v: 0, label: "" }).length, 20);
->>>>>>> f2ec59ab (Annotations: pinned points with labels and distances, in the address and in saved pictures)
 });

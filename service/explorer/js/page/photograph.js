@@ -114,7 +114,7 @@ export function photograph(plane, { title, overlays }, sheetFor) {
     context.fillStyle = colour("ink");
     context.fillText(row.name, x + 32, y, wide - 36);
   });
-  return { canvas, sheet };
+  return { canvas, sheet, plot: copies[0].plot };
 }
 
 /**

@@ -1,5 +1,6 @@
 /** What can be taken away: the picture that is seen, the tables, the request, the code that computes it. */
 
+import { Filming } from "../film/filming.js";
 import { captionOf } from "../look/caption.js";
 import { pythonOf } from "../look/python.js";
 import { get, pathOf, send } from "../net/api.js";
@@ -16,6 +17,7 @@ import { attempt } from "./say.js";
 
 /** The size on paper that was last asked for. */
 const paper = { ...USUAL };
+const filming = new Filming(saveBlob);
 /** The program and the paper to cite, once they are known. @type {{program: string, paper: string}|null} */
 let cited = null;
 
@@ -138,7 +140,8 @@ function list(place, given) {
   // A design is a list of machines, which Python would give in other words.
   if (request.grid && !request.sample && !request.design) blocks.push(...copyable("Python that computes it", pythonOf(request)));
   blocks.push(...copyable("JSON", JSON.stringify(request, null, 1)));
-  place.replaceChildren(paperFields(), files, ...blocks);
+  filming.offer(seen);
+  place.replaceChildren(paperFields(), files, filming.place, ...blocks);
   if (frame) return;
   const url = new URL(pathOf(job ?? { kind: stepsOf(request).length ? "sweep" : "basin" }), location.href).href;
   const curl = `curl -X POST ${url} \\\n  -H 'content-type: application/json' \\\n  -d '${JSON.stringify(request)}'`;

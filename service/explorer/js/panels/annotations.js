@@ -20,6 +20,8 @@ export class Annotations {
     /** What the box is about. @type {{note?: import("../state/annotations.js").Note, measure?: import("../state/annotations.js").Measure}|null} */
     this.open = null;
     button.addEventListener("click", () => this.#turn(!plane.annotating));
+    // After a tap the browser would give the plane the focus, and so take it from the label.
+    for (const { canvas } of plane.panes) canvas.addEventListener("mousedown", (event) => plane.annotating && event.preventDefault());
     box.querySelector("button").addEventListener("click", () => this.#remove(this.open));
     this.input.addEventListener("input", () => {
       this.open.note.label = this.input.value;
@@ -54,6 +56,7 @@ export class Annotations {
 
   /** A distance from one place to another. @param {Departure} from @param {Departure} to */
   measure(from, to) {
+    this.close();
     const turn = Math.floor(from.t);
     const measure = { t0: from.t - turn, v0: from.v, t1: to.t - turn, v1: to.v };
     this.plane.annotated = { ...this.plane.annotated, measures: withOne(this.plane.annotated.measures, measure) };
