@@ -14,6 +14,8 @@ MOST = 20
 MOST_LETTERS = 60
 """Most letters of a label."""
 _HALO = [withStroke(linewidth=2.5, foreground="black")]
+# Letters with a halo would be drawn as outlines, and be no text any more.
+_GROUND = {"boxstyle": "round,pad=0.25", "facecolor": (0.0, 0.0, 0.0, 0.55), "linewidth": 0.0}
 
 
 class Note(NamedTuple):
@@ -38,8 +40,8 @@ class Note(NamedTuple):
         # Its name begins with an underscore, so that no legend lists it.
         axes.plot(t, self.v, "o", color="white", markersize=6.0, fillstyle="none", path_effects=_HALO, label="_note")
         axes.annotate(
-            self.label, (t, self.v), (7.0, 0.0), textcoords="offset points", color="white", va="center",
-            path_effects=_HALO, annotation_clip=True,
+            self.label, (t, self.v), (9.0, 0.0), textcoords="offset points", color="white", va="center",
+            bbox=_GROUND, annotation_clip=True,
         )  # fmt: skip
 
 
@@ -71,7 +73,7 @@ class Measure(NamedTuple):
         text = f"Δt = {self.t1 - self.t0:.3g}, Δv = {self.v1 - self.v0:.3g}".replace("-", "−")
         axes.annotate(
             text, ((t0 + t1) / 2, (self.v0 + self.v1) / 2), (6.0, 6.0), textcoords="offset points", color="white",
-            path_effects=_HALO, annotation_clip=True,
+            bbox=_GROUND, annotation_clip=True,
         )  # fmt: skip
 
 
