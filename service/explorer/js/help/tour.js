@@ -6,7 +6,7 @@ import { besides } from "./beside.js";
 export const STEPS = [
   { at: "#frame", title: "The plane", says: "Each point is a departure: a tooth leaves one side of its backlash at phase t with speed v. Its colour is the motion that it ends in, and the legend has the names." },
   { at: "#turn", title: "The oscillator", says: "Move a slider: the picture follows. Let it go, and the whole picture is computed." },
-  { at: "#sentence", title: "One motion", says: "Click a point of the plane: a tooth moves below as that motion does, and a sentence says where it ends." },
+  { at: "#reading", title: "One motion", says: "Click a point of the plane: a tooth moves below as that motion does, and a sentence says where it ends." },
   { at: "#overlays", title: "Why it is so", says: "The grazing curve, manifolds and saddles lie over the picture; diagrams and periodic orbits come below it." },
   { at: "#away", title: "To take along", says: "Pictures, tables and the code that computes them. The address of this page holds all that is seen: send it to show the same." },
 ];

@@ -91,6 +91,14 @@ export function listen({ show, compute }) {
   if (!frame) return;
   const { address, request, job } = frame.opening;
   entries.write(address ?? encode({ request, job, machine: request?.machine && writtenOf(request.machine) }), false);
+  // A link to another view would lead the frame to the notebook's own server.
+  document.addEventListener("click", (event) => {
+    const href = /** @type {HTMLElement} */ (event.target).closest("a")?.getAttribute("href");
+    if (!href?.startsWith("?")) return;
+    event.preventDefault();
+    entries.write(href, true);
+    show();
+  });
   frame.listen(async (parts) => {
     if (parts.compute) return compute();
     entries.write(withParts(entries.address, parts), true);

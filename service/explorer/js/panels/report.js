@@ -4,6 +4,7 @@ import { ended } from "../jobs/life.js";
 import { stateInWords } from "../jobs/words.js";
 import { get, hasKey, pathOf, post, Refusal, send } from "../net/api.js";
 import { follow } from "../net/follow.js";
+import { frame } from "../net/frame.js";
 import { inWords } from "../page/say.js";
 import { tolerancesIn } from "../state/machine.js";
 
@@ -102,9 +103,9 @@ export class Report {
     this.done.replaceChildren(this.#page(`${job.links.self}/report.html`));
   }
 
-  /** The page, as a link; where the service asks for a key, which a link cannot carry, to be saved. */
+  /** The page, as a link; to be saved where a link leads nowhere: it carries no key, and a notebook has no addresses. */
   #page(path) {
-    if (!hasKey()) return make("a", { href: path, target: "_blank", rel: "noopener", textContent: "Open the report" });
+    if (!hasKey() && !frame) return make("a", { href: path, target: "_blank", rel: "noopener", textContent: "Open the report" });
     const button = make("button", { type: "button", textContent: "Save the report" });
     button.addEventListener("click", async () => {
       try {
