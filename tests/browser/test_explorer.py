@@ -300,13 +300,13 @@ def test_a_sweep_has_a_slider_and_a_chart_that_opens_its_basins(explorer, servic
     expect(page).to_have_url(re.compile("panel=1"))
     chart = page.locator("#shares .target")
     width = page.locator("#shares").bounding_box()["width"]
-    chart.click(position={"x": width - 75, "y": 60})
+    chart.click(position={"x": width - 90, "y": 60})
     expect(page).to_have_url(re.compile("panel=2"))
     expect(slider).to_have_attribute("aria-valuetext", "0.65")
     page.go_back()
     expect(slider).to_have_attribute("aria-valuetext", "0.6")
     expect(page.locator("#legend .note")).to_contain_text("On average over the window:")
-    page.locator("#loudness .target").click(position={"x": width - 75, "y": 40})
+    page.locator("#loudness .target").click(position={"x": width - 90, "y": 40})
     expect(slider).to_have_attribute("aria-valuetext", "0.65")
 
 
