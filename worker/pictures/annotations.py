@@ -103,7 +103,8 @@ def _note(text: str) -> Note:
     numbers, label = text.split(",", 2)[:2], ",".join(text.split(",")[2:])
     if len(label) > MOST_LETTERS:
         raise InvalidJob(f"the label of a note has at most {MOST_LETTERS} letters")
-    return Note(*_numbers(numbers, 2, f"a note is a time, a speed and a label: 0.3,4.1,here, not {text}"), label)
+    t, v = _numbers(numbers, 2, f"a note is a time, a speed and a label: 0.3,4.1,here, not {text}")
+    return Note(t, v, label)
 
 
 def _measure(text: str) -> Measure:

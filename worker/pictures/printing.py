@@ -109,8 +109,8 @@ def _scale_letters(figure: Figure, factor: float) -> None:
     for axes in figure.axes:
         for axis in (axes.xaxis, axes.yaxis):
             for tick in axis.get_major_ticks()[:1]:
-                axis.set_tick_params(labelsize=factor * tick.label1.get_fontsize())
+                axis.set_tick_params(labelsize=factor * float(tick.label1.get_fontsize()))
     of_ticks = {label for tick in figure.findobj(Tick) for label in (tick.label1, tick.label2)}
     for text in figure.findobj(Text):
         if text not in of_ticks:
-            text.set_fontsize(factor * text.get_fontsize())
+            text.set_fontsize(factor * float(text.get_fontsize()))
