@@ -69,3 +69,13 @@ test("a box lies beside its target and within the window", () => {
   const { top } = placeBeside({ left: 500, top: 100, right: 600, bottom: 140 }, box, { width: 1440, height: 900 });
   assert.ok(top >= 140, "it does not cover what it is about");
 });
+
+test("a label lies within the frame, beside its point", async () => {
+  globalThis.matchMedia = () => /** @type {any} */ ({ matches: false });
+  const { drawAnnotations } = await import("../../service/explorer/js/plane/annotations.js");
+  const written = [];
+  const context = new Proxy({}, { get: (_, name) => (name === "measureText" ? () => ({ width: 90 }) : (...what) => name === "fillText" && written.push(what)), set: () => true });
+  const plot = /** @type {any} */ ({ context, left: 40, width: 300, view: { t0: 0, t1: 1, v0: 0, v1: 7 }, x: (t) => 40 + 300 * t, y: (v) => 300 - 40 * v });
+  drawAnnotations(plot, { notes: [{ t: 0.1, v: 3, label: "left" }, { t: 0.95, v: 3, label: "right" }], measures: [] });
+  assert.deepEqual(written.map(([text, x]) => [text, Math.round(x)]), [["left", 79], ["right", 226]]);
+});

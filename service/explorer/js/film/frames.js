@@ -70,7 +70,7 @@ export function* ofTooth({ plane, title, overlays, oscillator }, motion, times) 
     const departure = departureAt(motion.departures, at);
     context.scale(ratio, ratio);
     if (departure) drawDot(context, base.plot, plane.inView(departure));
-    drawTooth(tooth, { displacement: displacementAt(motion.shown, at), backlash: oscillator.half_backlash, glow: glowAt(motion.shown, at, FADE_PERIODS), name: "first" });
+    drawTooth(tooth, { displacement: displacementAt(motion.shown, at), backlash: (motion.kept?.oscillator ?? oscillator).half_backlash, glow: glowAt(motion.shown, at, FADE_PERIODS), name: "first" });
     context.drawImage(tooth, 0, base.canvas.height / ratio, width, TOOTH);
     yield canvas;
   }

@@ -8,8 +8,12 @@ const TICK = 5;
 const REACH = 12;
 const FONT = '600 12px system-ui, "DejaVu Sans", sans-serif';
 
-function write(context, text, x, y) {
+/** Write beside a point, on its other side where the frame ends. */
+function write(plot, text, px, y, gap) {
+  const { context } = plot;
   context.font = FONT;
+  const wide = context.measureText(text).width;
+  const x = px + gap + wide > plot.left + plot.width ? px - gap - wide : px + gap;
   context.textAlign = "left";
   context.textBaseline = "middle";
   context.lineJoin = "round";
@@ -48,7 +52,7 @@ export function drawMeasure(plot, measure) {
     context.lineTo(x + across[0], y + across[1]);
   }
   strokeTwice(context);
-  write(context, distanceInWords(measure), (x0 + x1) / 2 + 8, (y0 + y1) / 2 - 8);
+  write(plot, distanceInWords(measure), (x0 + x1) / 2, (y0 + y1) / 2 - 8, 8);
 }
 
 /** @param {import("./plot.js").Plot} plot @param {import("../state/annotations.js").Annotated} annotated */
@@ -59,7 +63,7 @@ export function drawAnnotations(plot, { notes, measures }) {
     plot.context.beginPath();
     plot.context.arc(x, y, PIN, 0, 2 * Math.PI);
     strokeTwice(plot.context);
-    write(plot.context, note.label, x + PIN + 5, y);
+    write(plot, note.label, x, y, PIN + 5);
   }
 }
 
