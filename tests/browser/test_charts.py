@@ -261,6 +261,7 @@ def test_loudness_is_a_layer_with_numbers_also_of_a_preview(explorer):
     page = explorer.page
     expect(page.locator("#layer")).to_have_value("loudness")
     legend = page.locator("#legend")
+    expect(page.locator("#legend-title")).to_have_text("How loud it ends")
     expect(legend.locator(".heard li").first).to_contain_text("chaotic")
     expect(legend.locator(".heard li").first).to_contain_text("10.7")
     expect(legend.locator(".heard li").last).to_have_text("permanent contact0")

@@ -20,7 +20,7 @@ import { Diagrams } from "./panels/diagrams.js";
 import { Examples } from "./panels/examples.js";
 import { Form } from "./panels/form.js";
 import { Hover } from "./panels/hover.js";
-import { showLegend } from "./panels/legend.js";
+import { legendTitle, showLegend } from "./panels/legend.js";
 import { machineForm } from "./panels/machine.js";
 import { Motions } from "./panels/motions.js";
 import { Orbits } from "./panels/orbits.js";
@@ -305,6 +305,7 @@ function legend() {
     legend();
     remember(true);
   };
+  by("legend-title").textContent = legendTitle(plane.picture, plane.look);
   const k = plane.picture?.job === jobs.job?.id ? jobs.job?.request.iterations : null;
   showLegend(by("legend"), plane.picture, plane.look, highlighted, machine.scalesOf(screen.oscillator), k);
   comparison.showLegend({ label: by("kept-label"), place: by("kept-legend") }, highlighted);

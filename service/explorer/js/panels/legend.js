@@ -15,6 +15,12 @@ const MEANINGS = {
   loudness: "Impact power of the motion that a cell ends in: half the squared speeds of its impacts, a forcing period. Grey is not known.",
 };
 
+/** What a picture shows, as the title of its legend. A preview has no numbers, and shows what cells end in. */
+export function legendTitle(picture, { layer }) {
+  if (layer === "loudness") return "How loud it ends";
+  return layer === "solution" || !picture || picture.isPreview ? "It ends in" : "Cells by number";
+}
+
 function chaosInWords({ lyapunov_exponent, mean_life, mean_life_error, kind }) {
   if (lyapunov_exponent === null || !kind.startsWith("chaotic")) return "";
   const life = mean_life === null ? "" : `; left after some ${mean_life.toPrecision(1)} ± ${mean_life_error.toPrecision(1)} impacts`;

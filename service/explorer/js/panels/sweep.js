@@ -6,6 +6,7 @@ import { get } from "../net/api.js";
 import { panelAt, placesOf } from "../state/steps.js";
 import { swatch } from "./swatch.js";
 
+const ROOM = 0.012;
 const WORDS = { act: "Open this basin", does: "opens the basin of the marked point" };
 
 function slider({ words, values }, at, moved) {
@@ -147,7 +148,9 @@ export class Sweep {
   /** What both charts have. */
   #scene(name, title, yLabel, points, most) {
     const { words, values } = this.steps.at(-1);
-    const ends = [Math.min(...values), Math.max(...values)];
+    const [least, last] = [Math.min(...values), Math.max(...values)];
+    // Marks of the first and the last basin are seen as a whole.
+    const ends = [least - ROOM * (last - least), last + ROOM * (last - least)];
     return {
       id: name, title: `${title} over ${words}`, file: `sweep-${name}`, whole: { x: ends, y: [0, most] }, xLabel: words, yLabel, points,
     };
