@@ -18,6 +18,7 @@ _LAYERS = {
     Layer.GROUP: "Colours are Hsu's groups: which cycle of cells is reached.",
     Layer.PERIOD: "Colours are Hsu's periods: how long the cycle of cells is.",
     Layer.STEP: "Colours are Hsu's steps: how soon the cycle of cells is reached.",
+    Layer.LOUDNESS: "Colours are the impact power of the motions that departures end in.",
 }
 
 

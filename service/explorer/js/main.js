@@ -328,6 +328,7 @@ function restyle(look) {
   legend();
   sweep.repaint(plane.picture, plane.look.palette);
   for (const chart of Object.values(charts)) chart.repaint();
+  hover.read();
   remember(false);
 }
 

@@ -125,6 +125,12 @@ def test_a_caption_has_parameters_window_and_what_to_cite(store):
     assert "how soon" in step and "how soon" not in caption
 
 
+def test_a_caption_says_what_the_colours_of_each_layer_are(store):
+    with open_basin(store.location) as basin:
+        said = [caption_of(basin, Look(layer)) for layer in Layer]
+    assert all("Colours are" in caption for caption in said) and len(set(said)) == len(Layer)
+
+
 def test_a_key_names_all_that_lies_over_a_basin(store):
     def told(look):
         figure = basin_figure(store.location, look)

@@ -29,6 +29,7 @@ const LAYERS = {
   step: "Colours are Hsu's steps: how soon the cycle of cells is reached.",
   group: "Colours are Hsu's groups: which cycle of cells is reached.",
   period: "Colours are Hsu's periods: how long the cycle of cells is.",
+  loudness: "Colours are the impact power of the motions that departures end in.",
 };
 
 /**
@@ -47,7 +48,7 @@ export function captionOf({ oscillator, picture, view, layer, iterations, cited 
   return [
     `Basins of attraction of a rattling gear pair. ${oscillatorInWords(oscillator)}.`,
     `Departures at ${windowInWords(view)}, ${time.cells} × ${velocity.cells} cells${from}.`,
-    LAYERS[picture.isPreview ? "solution" : layer],
+    LAYERS[picture.isPreview && layer !== "loudness" ? "solution" : layer],
     `Computed with ${cited.program}. ${cited.paper}.`,
   ].join(" ");
 }

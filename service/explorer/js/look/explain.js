@@ -120,6 +120,16 @@ export function uncertaintyInWords({ exponent, error }) {
     `at the size of its cells: with ten times better knowledge of the departure, ${fewer} times fewer are uncertain. 1 is that of smooth borders.`;
 }
 
+const COLOURS = {
+  solution: "the motion it ends in", loudness: "how loud the motion is that it ends in", step: "how soon its cell comes to a cycle of cells",
+  group: "the cycle of cells that its cell comes to", period: "how long the cycle of cells is that its cell comes to",
+};
+
+/** What the plane shows, where nothing is pointed at. @param {string} layer */
+export function planeInWords(layer) {
+  return `Each point is a departure: a tooth leaves +β at phase t with speed v. Its colour is ${COLOURS[layer]}. Click one to see the tooth move.`;
+}
+
 /** What the marks on the plane are. */
 export const MARKS = {
   plane: "Each point is a departure: a tooth leaves +β at phase t with speed v. Its colour is the motion it ends in.",

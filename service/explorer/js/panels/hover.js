@@ -2,7 +2,7 @@
 
 import { Latest } from "../net/latest.js";
 import { briefMotion } from "../net/motion.js";
-import { maskInWords, numbersInWords, saddleInWords, underPointer } from "../look/explain.js";
+import { maskInWords, numbersInWords, planeInWords, saddleInWords, underPointer } from "../look/explain.js";
 import { reading } from "../charts/ticks.js";
 import { inUnits } from "../state/machine.js";
 
@@ -43,10 +43,13 @@ export class Hover {
     if (place.v > 0 && this.oscillator(place)) this.timer = setTimeout(() => this.latest.want(place), REST_MS);
   }
 
-  /** Say what is known of the place last pointed at. */
+  /** Say what is known of the place last pointed at; at first, what the plane shows. */
   read() {
     const place = this.place ?? this.left;
-    if (!place) return;
+    if (!place) {
+      this.line.textContent = planeInWords(this.plane.look.layer);
+      return;
+    }
     const { t0, t1, v0, v1 } = this.plane.view;
     const known = this.plane.at(place);
     const phase = place.t - Math.floor(place.t);
