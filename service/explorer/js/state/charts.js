@@ -20,7 +20,7 @@ export function viewText({ x, y }) {
 }
 
 /** @param {string|null} text @returns {{x: number[]|null, y: number[]|null}|null} null if it is none */
-export function viewIn(text) {
+export function viewFrom(text) {
   if (text === "1") return { x: null, y: null };
   const numbers = text ? numbersIn(text.split(",")) : null;
   return numbers?.length === 4 ? { x: numbers.slice(0, 2), y: numbers.slice(2) } : null;
@@ -39,7 +39,7 @@ export function diagramIn(text) {
   return { parameter, x: numbers.slice(0, 2), y: numbers.length === 4 ? numbers.slice(2) : null };
 }
 
-const FIELDS = { diagram: diagramIn, orbits: viewIn, shares: viewIn, power: viewIn };
+const FIELDS = { diagram: diagramIn, orbits: viewFrom, shares: viewFrom, power: viewFrom };
 const TEXTS = { diagram: diagramText, orbits: viewText, shares: viewText, power: viewText };
 
 /** Charts in an address, by name; null where it has none. @param {URLSearchParams} query @returns {SeenCharts} */
