@@ -32,7 +32,7 @@ def explore(what: "xr.Dataset | Oscillator | GearPair | None" = None) -> "Explor
     Returns
     -------
     Explorer
-        An ``anywidget``, for Jupyter, VS Code, Colab and marimo.
+        An ``anywidget``, as JupyterLab and marimo show it.
 
     Raises
     ------

@@ -8,6 +8,7 @@ import os
 import tempfile
 import threading
 from collections.abc import Coroutine, Mapping
+from email.utils import formatdate
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
@@ -83,6 +84,7 @@ class InProcess:
         asked = self._client.request(method, path, headers=dict(headers or {}), content=body)
         response = self._run(asked)
         kept = {name: value for name, value in response.headers.items() if name not in _OF_THE_LINE}
+        kept["date"] = formatdate(usegmt=True)  # a server adds it, by which the page knows a new job
         return Answer(response.status_code, kept, response.content)
 
     def adopt(self, job: Job, location: str) -> str:

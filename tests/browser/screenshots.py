@@ -1,4 +1,4 @@
-"""Pictures of every state of the explorer: ``python -m tests.browser.screenshots [ADDRESS]``; see `make screenshots`.
+"""Pictures and films of every state of the explorer: ``python -m tests.browser.screenshots [ADDRESS]``; see `make screenshots`.
 
 Those that documents show go to docs/pictures, too; all of them go to the folder screenshots.
 """
@@ -180,6 +180,36 @@ def move_tooth(explorer):
 STILLS = (slide, move_tooth)
 
 
+def film_slider(explorer):
+    """A film of the basin while damping falls, as the page makes it."""
+    finished(explorer)
+    return "slider", "damping", {"from": "0.65", "to": "0.5", "count": "31"}
+
+
+def film_tooth(explorer):
+    """A film of the tooth over the time that the page shows."""
+    finished(explorer)
+    explorer.page.mouse.click(*explorer.spot(0.2, 0.53))
+    expect(explorer.page.locator("#histories")).to_contain_text("A The motion")
+    return "tooth", "the tooth", {"count": "48"}
+
+
+FILMS = (film_slider, film_tooth)
+
+
+def save_film(explorer, name, of, fields):
+    """Have the page make a film, and write it where documents show it."""
+    page, target = explorer.page, ROOT / "docs" / "pictures" / f"{name}.webm"
+    page.locator("#away summary").click()
+    page.locator(".film select").select_option(of)
+    for field, value in fields.items():
+        page.locator(f".film input[name='film.{field}']").fill(value)
+    with page.expect_download(timeout=300_000) as download:
+        page.get_by_role("button", name="Make the film").click()
+    download.value.save_as(target)
+    print(target.relative_to(ROOT), target.stat().st_size // 1000, "kB")
+
+
 def save(name, picture):
     """Write a picture in few colours: a third of the size, and nothing that an eye sees is lost."""
     target = FOLDER / f"{name}.png"
@@ -206,6 +236,12 @@ def shoot(url, names):
             explorer = Explorer(started, url, viewport={"width": 1100, "height": 720})
             for name, part in stills(explorer):
                 save(name, part.screenshot())
+            explorer.context.close()
+        for film in FILMS:
+            if names and film.__name__ not in names:
+                continue
+            explorer = Explorer(started, url, viewport={"width": 1100, "height": 720})
+            save_film(explorer, *film(explorer))
             explorer.context.close()
 
 

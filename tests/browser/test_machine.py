@@ -53,6 +53,38 @@ def test_the_layer_of_loudness_is_in_watts(filled):
     expect(filled.page.locator("#legend .ends span").last).to_have_text(re.compile(r"^[\d.]+ k?W$"), timeout=20_000)
 
 
+# What is written on canvases from now on.
+WRITTEN = """() => {
+    window.written = [];
+    const write = CanvasRenderingContext2D.prototype.fillText;
+    CanvasRenderingContext2D.prototype.fillText = function (text, ...place) {
+        window.written.push(text);
+        write.call(this, text, ...place);
+    };
+}"""
+
+
+def test_axes_count_units_of_the_machine_as_long_as_one_is_seen(filled):
+    page = filled.page
+    page.evaluate(WRITTEN)
+    page.locator("#display summary").click()
+    page.locator("#axes").select_option("machine")
+    pair = rattle.GearPair(**NEAR)
+    period, fastest = 1000.0 * pair.scales.time, 7.0 * pair.scales.speed
+    page.wait_for_function("() => window.written.includes('time t of departure (ms)')")
+    written = page.evaluate("() => window.written")
+    assert "velocity v of departure (m/s)" in written
+    numbers = [float(text) for text in written if re.fullmatch(r"[\d.]+", text)]
+    assert 0.8 * period < max(numbers) <= period and any(0.5 * fastest < number <= fastest for number in numbers)
+    expect(page).to_have_url(re.compile("axes=machine"))
+    page.reload()
+    expect(page.locator("#axes")).to_have_value("machine")
+    page.evaluate(WRITTEN)
+    # Another oscillator is none of the machine.
+    page.locator("[data-turn=damping]").fill("0.6")
+    page.wait_for_function("() => window.written.includes('time t of departure (forcing periods)')")
+
+
 def test_an_address_opens_the_machine_again(filled):
     expect(filled.page).to_have_url(re.compile("machine=speed"))
     filled.page.reload()

@@ -23,7 +23,7 @@ for (const [name, request] of Object.entries({ impacts: REQUEST, springs: SPRING
     const seen = {
       job: "abc", panel: 2, request, view: { t0: 0.25, t1: 0.5, v0: 1, v1: 2 }, whole: { t0: 0, t1: 1, v0: 0, v1: 6 },
       layer: "step", palette: "paper", overlays: ["grazing", "saddles"], motions: [[0.5, 3], [0.125, 2]],
-      beside: null, part: 0.5, compare: "swipe", machine: null, highlight: "P(1,1,0)", embed: true,
+      beside: null, part: 0.5, compare: "swipe", machine: null, highlight: "P(1,1,0)", embed: true, axes: "machine",
       charts: {
         diagram: { parameter: "damping", x: [0.55, 0.6], y: [2, 5], job: "ghi" }, orbits: { x: null, y: null, job: "jkl" },
         shares: { x: [0.5, 0.6], y: [0, 0.5] }, power: null,
@@ -130,8 +130,10 @@ test("an address that names no oscillator is completed, and says so", () => {
   assert.equal(decode("?grid=0,1,0,7&cells=50,50&k=61").request.oscillator.damping, 0.6);
 });
 
-test("annotations that cannot be read are left out, and there are at most twenty of each", () => {
-  const { annotated } = decode("?note=0.3,x,here&note=0.3&note=0.25,4,kept&measure=1,2,3&measure=0.1,1,0.2,2");
+test("annotations that cannot be read are left out and told, and there are at most twenty of each", () => {
+  const written = "?note=0.3,x,here&note=0.3&note=0.25,4,kept&measure=1,2,3&measure=0.1,1,0.2,2";
+  const { annotated } = decode(written);
+  assert.match(doubts(written)[0], /: note=0.3,x,here, note=0.3, measure=1,2,3\.$/);
   assert.deepEqual(annotated, { notes: [{ t: 0.25, v: 4, label: "kept" }], measures: [{ t0: 0.1, v0: 1, t1: 0.2, v1: 2 }] });
   const many = `?${"note=0.5,1&".repeat(30)}`;
   assert.equal(decode(many).annotated.notes.length, 20);

@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import test from "node:test";
 
 import { decode, encode } from "../../service/explorer/js/state/address.js";
-import { gammaInWords, inUnits, machineIn, machineOf, parts, PUMP, tolerancesIn, writtenOf } from "../../service/explorer/js/state/machine.js";
+import { axisUnit, gammaInWords, inUnits, machineIn, machineOf, parts, PUMP, tolerancesIn, writtenOf } from "../../service/explorer/js/state/machine.js";
 import { loudnessInWords } from "../../service/explorer/js/look/explain.js";
 
 test("a machine is asked for once all that it needs is written, and pure numbers are numbers", () => {
@@ -55,4 +55,11 @@ test("tolerances are written one after the other, and limits have one unit", () 
     "transmission_error.1.amplitude": ["8 um", "0.01 mm"], "transmission_error.2.phase": "any",
   });
   for (const wrong of ["backlash", "= 3", "backlash =", "a = b = c"]) assert.throws(() => tolerancesIn(wrong), /write “/);
+});
+
+test("an axis of a machine counts units by which its numbers are short", () => {
+  assert.deepEqual(axisUnit(1, 0.02, "s"), { factor: 20, unit: "ms" });
+  assert.deepEqual(axisUnit(7, 3, "m/s"), { factor: 3, unit: "m/s" });
+  const { factor, unit } = axisUnit(0.001, 0.02, "s");
+  assert.deepEqual([Number(factor.toPrecision(12)), unit], [20000, "µs"]);
 });

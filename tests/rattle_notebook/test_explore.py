@@ -1,6 +1,8 @@
 """What a notebook's explorer opens with, what its traits take, and what it is answered; nothing is computed here."""
 
 import json
+from datetime import UTC, datetime, timedelta
+from email.utils import parsedate_to_datetime
 
 import pytest
 from traitlets import TraitError
@@ -42,6 +44,7 @@ def test_it_is_answered_as_by_a_service(here):
     assert page.status == 200 and b'src="explorer/js/main.js"' in page.body
     # What was compressed on the line is read, and says so.
     assert "content-encoding" not in page.headers
+    assert abs(parsedate_to_datetime(page.headers["date"]) - datetime.now(UTC)) < timedelta(minutes=1)
     asked = {"grid": {"time": {"cells": 8}, "velocity": {"cells": 8}}, "iterations": 61, "quick": True}
     answer = here.ask("POST", "/v1/previews", {"content-type": "application/json"}, json.dumps(asked))
     assert answer.status == 200 and json.loads(answer.body)["time"]["cells"] == 8

@@ -46,13 +46,13 @@ const REST_MS = 350;
  * picture of what the form says. `offered`: what a link asks for, until something else is looked at. `doubts`: about the
  * address, in words. `asked`: addresses of all that was asked for.
  */
-const at = { request: null, edited: true, panel: 0, whole: { t0: 0, t1: 1, v0: 0, v1: 7 }, opening: {}, embed: false, rest: 0, sliding: false, refused: false, offered: null, doubts: "", asked: new Set() };
+const at = { request: null, edited: true, panel: 0, whole: { t0: 0, t1: 1, v0: 0, v1: 7 }, opening: {}, embed: false, axes: "model", rest: 0, sliding: false, refused: false, offered: null, doubts: "", asked: new Set() };
 
 const plane = new Plane([{ canvas: by("plane"), marks: by("marks") }, { canvas: by("plane-kept"), marks: by("marks-kept") }], { moved, hovered: (place) => hover.at(place), picked: (place, second) => oscillatorAt(place) && motions.pick(place, second), whole: () => plane.go(at.whole), annotated });
 const marks = new Marks(plane);
 const screen = new Screen(plane, { changed: pictureChanged, turned, left, failed: previewFailed, alone: () => ["idle", "refused"].includes(jobs.life.phase) });
 const form = new Form(by("ask"), { submitted: compute, edited, bounds: (bounds) => turn.bound(bounds), part: (request) => screen.partOf(request), sound });
-const machine = machineForm({ converted, changed: () => (legend(), hover.read(), remember(false)) });
+const machine = machineForm({ converted, changed: () => (scaleAxes(), legend(), hover.read(), remember(false)) });
 const turn = new Turn(by("turn"), (name, value) => slid(name, value), () => compute(form.request()));
 const jobs = new Jobs({ changed: lifeChanged, begun, drawn });
 const motions = new Motions(by("history"), plane, marks, () => screen.wanted, () => remember(false));
@@ -179,6 +179,7 @@ function keptHere() {
 }
 
 function keptChanged() {
+  scaleAxes();
   legend();
   motions.told();
   hover.read();
@@ -267,6 +268,7 @@ function pictureChanged() {
   for (const chart of Object.values(charts)) chart.follow();
   uncertainty.follow();
   form.price();
+  scaleAxes();
   legend();
   motions.told();
   hover.read();
@@ -297,6 +299,13 @@ function previewFailed(error) {
   if (error instanceof Refusal && error.status === 422 && error.kind !== "limit-exceeded") return refuse(true);
   say(inWords(error), true);
   if (error instanceof Unreachable) form.doubt();
+}
+
+/** Axes count units of the machine that is seen; of two machines none. */
+function scaleAxes(axes = at.axes) {
+  at.axes = axes;
+  plane.scales = axes === "machine" && !plane.beside ? machine.scalesOf(screen.oscillator) : null;
+  plane.draw();
 }
 
 function legend() {
@@ -340,7 +349,7 @@ function remember(isNew) {
   const { layer, palette, highlight } = plane.look;
   const job = at.edited || jobs.life.phase === "asking" ? null : jobs.job;
   const pictured = job && !hasCells(job) ? {} : { request: at.request, view: plane.view, whole: at.whole };
-  const seen = { embed: at.embed, job: job?.id, panel: at.panel, layer, palette, highlight, overlays: overlays.names, motions: motions.startsOf(false), annotated: plane.annotated, ...comparison.seen(motions.startsOf(true)), machine: machine.scalesOf(at.request?.oscillator ?? null) ? machine.written : null, charts: chartsSeen(), ...pictured };
+  const seen = { embed: at.embed, axes: at.axes, job: job?.id, panel: at.panel, layer, palette, highlight, overlays: overlays.names, motions: motions.startsOf(false), annotated: plane.annotated, ...comparison.seen(motions.startsOf(true)), machine: machine.scalesOf(at.request?.oscillator ?? null) ? machine.written : null, charts: chartsSeen(), ...pictured };
   entries.write(encode(seen), isNew);
   tell(seen, isNew);
   enableSteps();
@@ -364,10 +373,10 @@ async function openAddress() {
   const seen = (at.opening = decode(entries.address));
   at.doubts = doubts(entries.address).join(" ");
   const { job, request, panel, layer, palette, highlight } = seen;
-  [at.panel, at.embed] = [panel, seen.embed];
+  [at.panel, at.embed, at.axes] = [panel, seen.embed, seen.axes];
   document.documentElement.classList.toggle("embedded", at.embed);
   restyle({ layer, palette, highlight });
-  [by("layer").value, by("palette").value] = [layer, palette];
+  [by("layer").value, by("palette").value, by("axes").value] = [layer, palette, seen.axes];
   overlays.choose(seen.overlays);
   annotations.show(seen.annotated);
   try {
@@ -414,7 +423,7 @@ async function open(known, offered) {
 
 function start() {
   whenKeyIsNeeded(askForKey);
-  setUpControls({ plane, jobs, restyle, whole: () => plane.go(at.whole), takeaway });
+  setUpControls({ plane, jobs, restyle, axes: (axes) => (scaleAxes(axes), remember(false)), whole: () => plane.go(at.whole), takeaway });
   setUpTheme(by("theme"), () => restyle({}));
   const known = Promise.all([get("explorer/kinds.json"), get("explorer/additions.json")]).then(([kinds, found]) => {
     knowKinds(kinds);

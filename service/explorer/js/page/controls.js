@@ -56,10 +56,11 @@ function setUpHelp() {
  * @param {import("../plane/plane.js").Plane} page.plane
  * @param {import("../jobs/jobs.js").Jobs} page.jobs
  * @param {(look: object) => void} page.restyle
+ * @param {(axes: string) => void} page.axes
  * @param {() => void} page.whole
  * @param {() => void} page.takeaway
  */
-export function setUpControls({ plane, jobs, restyle, whole, takeaway }) {
+export function setUpControls({ plane, jobs, restyle, axes, whole, takeaway }) {
   by("cancel").addEventListener("click", () => jobs.cancel());
   by("back").addEventListener("click", () => entries.turn(-1));
   by("forward").addEventListener("click", () => entries.turn(1));
@@ -68,6 +69,7 @@ export function setUpControls({ plane, jobs, restyle, whole, takeaway }) {
   by("whole").addEventListener("click", whole);
   by("box").addEventListener("click", () => (plane.boxing = toggle(by("box"))));
   by("layer").addEventListener("change", () => restyle({ layer: by("layer").value }));
+  by("axes").addEventListener("change", () => axes(by("axes").value));
   by("palette").addEventListener("change", () => restyle({ palette: by("palette").value }));
   by("open-drawer").addEventListener("click", () => {
     by("ask").hidden = !toggle(by("open-drawer"), "aria-expanded");

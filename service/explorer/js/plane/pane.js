@@ -45,13 +45,13 @@ export class Pane {
 
   draw() {
     if (!this.canvas.clientWidth) return;
-    this.#drawOn((this.plot = new Plot(this.canvas, this.plane.view)));
+    this.#drawOn((this.plot = new Plot(this.canvas, this.plane.view, undefined, this.plane.scales)));
   }
 
   /** The same at another size, on a canvas of its own. @param {number} width @param {number} height @param {number} ratio */
   copy(width, height, ratio) {
     const canvas = canvasOf(width, height);
-    const plot = new Plot(canvas, this.plane.view, ratio);
+    const plot = new Plot(canvas, this.plane.view, ratio, this.plane.scales);
     this.#drawOn(plot);
     return { canvas, plot };
   }
@@ -109,7 +109,7 @@ export class Pane {
 
   #bitmapOf(view, overlays, picture) {
     const canvas = canvasOf(this.canvas.clientWidth, this.canvas.clientHeight);
-    const plot = new Plot(canvas, view);
+    const plot = new Plot(canvas, view, undefined, this.plane.scales);
     plot.clipped(() => overlays.forEach((overlay) => drawOverlay(plot, overlay, picture)));
     return { canvas, view, left: plot.left, top: plot.top };
   }

@@ -22,6 +22,8 @@ export class Plane {
     this.tell = tell;
     this.view = { t0: 0, t1: 1, v0: 0, v1: 7 };
     /** @type {Look} */
+    /** One unit of the model in SI, while the axes are those of a machine. @type {Scales|null} */
+    this.scales = null;
     this.look = { layer: "solution", palette: "colour_blind", highlight: null, ground: "#ffffff" };
     this.stack = new Stack();
     /** Another basin that is compared. @type {import("./half.js").Half|null} */

@@ -2,22 +2,36 @@
 
 import { colour } from "../page/theme.js";
 import { axisTicks } from "../charts/ticks.js";
+import { axisUnit } from "../state/machine.js";
 
 const RIGHT = 14;
 const TOP = 10;
 const BOTTOM = 44;
 const TITLE = 22;
 const LEAST_LEFT = 44;
+const IN_PERIODS = { factor: 1, unit: "forcing periods" };
+const PLAIN = { factor: 1, unit: "" };
 const FONT = '12px system-ui, "DejaVu Sans", sans-serif';
+
+/** Title of an axis; `common` is what its labels have in common. */
+function titled(name, common, { factor, unit }) {
+  const counted = unit && (!common || factor !== 1) ? ` (${unit})` : "";
+  return common ? `${name}${common}${counted}` : `${name} of departure${counted}`;
+}
 
 export class Plot {
   /**
    * @param {HTMLCanvasElement} canvas
    * @param {{t0: number, t1: number, v0: number, v1: number}} view
    * @param {number} [ratio] pixels of the canvas for each of the page
+   * @param {Scales|null} [scales] of a machine in whose units the axes are
    */
-  constructor(canvas, view, ratio = window.devicePixelRatio || 1) {
+  constructor(canvas, view, ratio = window.devicePixelRatio || 1, scales = null) {
     this.view = view;
+    this.units = {
+      t: scales ? axisUnit(view.t1 - view.t0, scales.time, "s") : IN_PERIODS,
+      v: scales ? axisUnit(view.v1 - view.v0, scales.speed, "m/s") : PLAIN,
+    };
     this.size = { width: canvas.clientWidth, height: canvas.clientHeight };
     const [wide, high] = [Math.round(this.size.width * ratio), Math.round(this.size.height * ratio)];
     if (canvas.width !== wide || canvas.height !== high) [canvas.width, canvas.height] = [wide, high];
@@ -27,7 +41,7 @@ export class Plot {
     this.context.font = FONT;
     this.top = TOP;
     this.height = Math.max(1, this.size.height - TOP - BOTTOM);
-    this.speeds = axisTicks(view.v0, view.v1, this.height / 60);
+    this.speeds = this.#ticks(view.v0, view.v1, this.height / 60, this.units.v);
     // As wide as its labels: deep in a zoom they have many digits.
     const widest = Math.max(...this.speeds.ticks.map(({ label }) => this.context.measureText(label).width), 0);
     this.left = Math.max(LEAST_LEFT, Math.ceil(widest) + 12 + TITLE);
@@ -72,7 +86,7 @@ export class Plot {
   axes() {
     const { context } = this;
     const { t0, t1 } = this.view;
-    const phases = axisTicks(t0, t1, this.width / 90);
+    const phases = this.#ticks(t0, t1, this.width / 90, this.units.t);
     context.strokeStyle = colour("quiet");
     context.fillStyle = colour("quiet");
     context.lineWidth = 1;
@@ -85,8 +99,7 @@ export class Plot {
       this.#tick(this.x(at), bottom, 0, 5);
       context.fillText(label, this.x(at), bottom + 8);
     }
-    const time = phases.title ? `time t${phases.title}` : "time t of departure (forcing periods)";
-    context.fillText(time, this.left + this.width / 2, bottom + 26);
+    context.fillText(titled("time t", phases.title, this.units.t), this.left + this.width / 2, bottom + 26);
     context.textAlign = "right";
     context.textBaseline = "middle";
     for (const { at, label } of this.speeds.ticks) {
@@ -97,8 +110,14 @@ export class Plot {
     context.translate(11, this.top + this.height / 2);
     context.rotate(-Math.PI / 2);
     context.textAlign = "center";
-    context.fillText(this.speeds.title ? `velocity v${this.speeds.title}` : "velocity v of departure", 0, 0);
+    context.fillText(titled("velocity v", this.speeds.title, this.units.v), 0, 0);
     context.restore();
+  }
+
+  /** Ticks at round numbers of a unit, at their places in the model. */
+  #ticks(from, to, about, { factor }) {
+    const { ticks, title } = axisTicks(from * factor, to * factor, about);
+    return { ticks: ticks.map(({ at, label }) => ({ at: at / factor, label })), title };
   }
 
   #tick(x, y, dx, dy) {

@@ -2,16 +2,16 @@
 
 import { additions, maskNames } from "./additions.js";
 import { chartFields, chartsIn, unreadCharts } from "./charts.js";
-import { annotationFields, annotationsIn } from "./annotations.js";
+import { annotationFields, annotationsIn, unreadAnnotations } from "./annotations.js";
 import { machineIn, machineText } from "./machine.js";
 import { harmonicParameters, harmonicsOf, harmonicsText, NUMBERS } from "./oscillator.js";
 import { same, viewOf } from "./window.js";
 
 /** What is not written. */
-const USUAL = { layer: "solution", palette: "colour_blind", overlays: ["grazing", "attractors"], part: 0.5, compare: "swipe" };
+const USUAL = { axes: "model", layer: "solution", palette: "colour_blind", overlays: ["grazing", "attractors"], part: 0.5, compare: "swipe" };
 /** What there is to choose from. */
 const KNOWN = {
-  layer: ["solution", "step", "group", "period", "loudness"], palette: ["colour_blind", "paper"], compare: ["swipe", "side"],
+  axes: ["model", "machine"], layer: ["solution", "step", "group", "period", "loudness"], palette: ["colour_blind", "paper"], compare: ["swipe", "side"],
   overlays: ["grazing", "attractors", "preimages", "manifolds", "saddles"],
 };
 const usualOverlays = () => [...maskNames(), ...USUAL.overlays].join(",");
@@ -33,6 +33,7 @@ const MODELS = { "": "impacting", piecewise_linear: "piecewise_linear" };
  * @property {BasinRequest|null} request
  * @property {View|null} view null for the whole
  * @property {View|null} whole the window before zooming; null for that of the request
+ * @property {string} axes whether they count units of the model or of the machine
  * @property {string} layer
  * @property {string} palette
  * @property {boolean} embed whether the page is in a frame of another, and shows no head
@@ -174,7 +175,7 @@ export function doubts(search) {
   const query = new URLSearchParams(search);
   const request = requestOf(query);
   const unknown = [];
-  for (const name of ["layer", "palette", "compare"]) if (query.has(name) && !KNOWN[name].includes(query.get(name))) unknown.push(`${name}=${query.get(name)}`);
+  for (const name of ["axes", "layer", "palette", "compare"]) if (query.has(name) && !KNOWN[name].includes(query.get(name))) unknown.push(`${name}=${query.get(name)}`);
   for (const name of (query.get("overlays") ?? "").split(",").filter(Boolean)) if (!isOverlay(name)) unknown.push(`overlays=${name}`);
   if (query.has("model") && !(query.get("model") in MODELS) && query.get("model") !== "impacting") unknown.push(`model=${query.get("model")}`);
   for (const name of NUMBERS) if (query.has(name) && !numbersIn(query).some(([known]) => known === name)) unknown.push(`${name}=${query.get(name)}`);
@@ -187,7 +188,7 @@ export function doubts(search) {
   if (query.has("k") && !iterationsOf(query)) unknown.push(`k=${query.get("k")}`);
   for (const text of query.getAll("motion")) if (!numbersOf(text, 2)) unknown.push(`motion=${text}`);
   if (query.has("part") && partOf(query) === null) unknown.push(`part=${query.get("part")}`);
-  unknown.push(...unreadCharts(query));
+  unknown.push(...unreadCharts(query), ...unreadAnnotations(query));
   for (const swept of sweptIn(query)) if (!ascends(swept) || !parameters.includes(swept.parameter)) unknown.push(`vary=${[swept.parameter, ...swept.values].join(",")}`);
   const sentences = unknown.length ? [`The address has values that are not known, and is shown without them: ${unknown.join(", ")}.`] : [];
   const lacking = request && !query.has("job") ? [...Object.keys(OSCILLATOR), "grid", "cells", "k"].filter((name) => !query.has(name)) : [];
@@ -214,6 +215,7 @@ export function decode(search) {
     request: requestOf(query),
     view: windowOf(query.get("window")),
     whole: windowOf(query.get("whole")),
+    axes: knownOr("axes", query.get("axes")),
     layer: knownOr("layer", query.get("layer")),
     palette: knownOr("palette", query.get("palette")),
     overlays: (query.get("overlays") ?? usualOverlays()).split(",").filter(isOverlay),
@@ -234,7 +236,7 @@ export function decode(search) {
  * @param {Partial<Seen>} seen
  * @returns {string}
  */
-export function encode({ job, panel, request, view, whole, layer, palette, highlight, embed, overlays, motions, beside, part, compare, machine, charts, annotated }) {
+export function encode({ job, panel, request, view, whole, axes, layer, palette, highlight, embed, overlays, motions, beside, part, compare, machine, charts, annotated }) {
   const fields = [];
   if (job) fields.push(["job", job]);
   const numbers = machineText(machine ?? {});
@@ -244,6 +246,7 @@ export function encode({ job, panel, request, view, whole, layer, palette, highl
   if (asked && view && !same(view, whole ?? asked)) fields.push(["window", windowText(view)]);
   if (asked && whole && !same(whole, asked)) fields.push(["whole", windowText(whole)]);
   if (request) fields.push(...requestFields(request));
+  if (axes && axes !== USUAL.axes) fields.push(["axes", axes]);
   if (layer && layer !== USUAL.layer) fields.push(["layer", layer]);
   if (palette && palette !== USUAL.palette) fields.push(["palette", palette]);
   if (overlays && overlays.join(",") !== usualOverlays()) fields.push(["overlays", overlays.join(",")]);

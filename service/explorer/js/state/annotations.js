@@ -33,6 +33,12 @@ export function annotationsIn(query) {
   return { notes: read("note", noteIn), measures: read("measure", measureIn) };
 }
 
+/** Annotations of an address that cannot be read. @param {URLSearchParams} query */
+export function unreadAnnotations(query) {
+  const unread = (name, one) => query.getAll(name).filter((text) => one(text) === null).map((text) => `${name}=${text}`);
+  return [...unread("note", noteIn), ...unread("measure", measureIn)];
+}
+
 /** Annotations as addresses have them: names and texts. @param {Annotated} annotated @returns {[string, string][]} */
 export function annotationFields({ notes, measures }) {
   return [

@@ -97,11 +97,27 @@ export function machineIn(text) {
 
 const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"]];
 
+/** The prefix that makes a number 1 to 1000, and what it counts. @param {number} value @returns {[number, string]} */
+function prefixOf(value) {
+  return /** @type {[number, string]} */ (PREFIXES.find(([size]) => Math.abs(value) >= Number(size)) ?? PREFIXES[PREFIXES.length - 1]);
+}
+
 /** A number with the prefix that makes it 1 to 1000, to three digits. @param {number} value @param {string} unit */
 export function inUnits(value, unit) {
   if (value === 0) return `0 ${unit}`;
-  const [size, prefix] = PREFIXES.find(([size]) => Math.abs(value) >= Number(size)) ?? PREFIXES[PREFIXES.length - 1];
-  return `${Number((value / Number(size)).toPrecision(3))} ${prefix}${unit}`;
+  const [size, prefix] = prefixOf(value);
+  return `${Number((value / size).toPrecision(3))} ${prefix}${unit}`;
+}
+
+/**
+ * How an axis is labelled in SI: by what its numbers are multiplied, and their unit.
+ * @param {number} width of what it shows, in units of the model
+ * @param {number} scale one of these in SI
+ * @param {string} unit
+ */
+export function axisUnit(width, scale, unit) {
+  const [size, prefix] = prefixOf(width * scale);
+  return { factor: scale / size, unit: `${prefix}${unit}` };
 }
 
 /** What inertia torque over drag torque means, in sentences. @param {MachineAnswer} answer */
