@@ -5,7 +5,7 @@ export default [
   { ignores: ["service/api_page/*-bundle.js"] },
   js.configs.recommended,
   {
-    files: ["service/explorer/js/**/*.js"],
+    files: ["service/explorer/js/**/*.js", "rattle_notebook/*.js"],
     languageOptions: { globals: globals.browser, ecmaVersion: 2024 },
     rules: {
       "no-unused-vars": ["error", { varsIgnorePattern: "^_", argsIgnorePattern: "^_" }],
