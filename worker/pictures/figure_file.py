@@ -1,6 +1,7 @@
 """A figure as a file: PNG, SVG or PDF. The same figure gives the same bytes."""
 
 import threading
+import warnings
 from enum import StrEnum
 from pathlib import Path
 from typing import IO
@@ -21,6 +22,8 @@ _UNDATED = {
 }
 # Where a format keeps a caption.
 _CAPTION = {"png": "Description", "svg": "Description", "pdf": "Subject"}
+# What Matplotlib says of a picture that is too small for its letters.
+_NO_ROOM = "constrained_layout not applied"
 _SAVING = threading.Lock()
 
 
@@ -87,7 +90,7 @@ def save_figure(
     Raises
     ------
     InvalidJob
-        If the file's name asks for no such format, or the picture had too many pixels.
+        If the file's name asks for no such format, or the picture had too many pixels, or no room beside its letters.
 
     Examples
     --------
@@ -101,7 +104,12 @@ def save_figure(
         picture_format = PictureFormat.of_file(target)
     printing.apply(figure)
     metadata = _UNDATED[picture_format] | ({_CAPTION[picture_format]: caption} if caption else {})
-    with _SAVING, printing.style():
+    with _SAVING, printing.style(), warnings.catch_warnings():
+        warnings.filterwarnings("error", _NO_ROOM, UserWarning)
         if picture_format == PictureFormat.SVG:
             mpl.rcParams["svg.hashsalt"] = "gear-rattle"  # identifiers in the file are random without it
-        figure.savefig(target, format=picture_format.value, metadata=metadata, dpi=printing.dpi or "figure")
+        try:
+            figure.savefig(target, format=picture_format.value, metadata=metadata, dpi=printing.dpi or "figure")
+        except UserWarning as warning:
+            message = "letters leave no room for the picture: take a larger one, or smaller letters"
+            raise InvalidJob(message) from warning

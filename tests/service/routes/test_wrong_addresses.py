@@ -55,7 +55,11 @@ def test_a_store_that_cannot_be_read_is_named_without_its_folder(service, tmp_pa
     [
         ("/v1/jobs?kind=basin", "this address takes before, size, state"),
         ("/v1/jobs/{id}?size=3", "this address takes none"),
-        ("/v1/jobs/{id}/picture.png?width=2000", "this address takes layer, overlays, palette, panel, window"),
+        (
+            "/v1/jobs/{id}/picture.png?size=2000",
+            "this address takes caption, colours, dpi, editable, font_size, height, layer, measure, note, overlay_key, "
+            "overlays, palette, panel, width, window",
+        ),
         ("/v1/jobs/{id}/tiles/0?spacing=2", "this address takes every, level"),
         ("/healthz?verbose=1", "this address takes none"),
         ("/v1/jobs/{id}/result.zarr/zarr.json?v=1", "this address takes none"),

@@ -96,6 +96,12 @@ def test_a_picture_that_would_exhaust_memory_is_refused(asked, told):
         save_figure(new_figure(), io.BytesIO(), PictureFormat.PNG, Printing(**asked))
 
 
+@pytest.mark.parametrize("asked", [Printing(width=20.0, font_size=36.0), Printing(width=20.0, height=1200.0)])
+def test_a_picture_with_no_room_beside_its_letters_is_refused(store, asked):
+    with pytest.raises(InvalidJob, match="letters leave no room"):
+        saved(basin_figure(store.location), PictureFormat.PNG, printing=asked)
+
+
 def test_a4_at_600_dpi_is_not_too_large():
     figure = new_figure()
     Printing(width=297.0, height=210.0, dpi=600).apply(figure)
