@@ -36,7 +36,8 @@ def test_points_and_distances_travel_in_the_address_and_can_be_removed(explorer,
     assert note.endswith(",a fold, here")
     assert [float(each) for each in note.split(",")[:2]] == pytest.approx([0.3, 3.5], abs=0.01)
     assert [float(each) for each in measure.split(",")] == pytest.approx([0.5, 1.4, 0.75, 2.8], abs=0.01)
-    assert explorer.colour(0.5, 0.2) == (255, 255, 255)
+    # White over navy, blended where it ends within a pixel.
+    assert min(explorer.colour(0.5, 0.2)) > 160
     page.locator("#away summary").click()
     with page.expect_download() as download:
         page.get_by_role("button", name="What is seen (SVG)").click()
@@ -45,7 +46,8 @@ def test_points_and_distances_travel_in_the_address_and_can_be_removed(explorer,
     page.keyboard.press("Escape")
     page.reload()
     explorer.pictured("60 × 60")
-    assert explorer.colour(0.5, 0.2) == (255, 255, 255)
+    # White over navy, blended where it ends within a pixel.
+    assert min(explorer.colour(0.5, 0.2)) > 160
     page.get_by_role("button", name="Annotate").click()
     page.mouse.click(*explorer.spot(0.3, 0.5))
     expect(page.get_by_label("label of the point")).to_have_value("a fold, here")

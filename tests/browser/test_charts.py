@@ -26,7 +26,7 @@ def diagram(service):
 @pytest.fixture
 def charted(explorer, diagram):
     """The page with that diagram below a basin."""
-    explorer.visit(f"{LINK}&diagram=damping,0.55,0.65&diagram_job={diagram['id']}").state("Complete")
+    explorer.ask(f"{LINK}&diagram=damping,0.55,0.65&diagram_job={diagram['id']}").state("Complete")
     expect(explorer.page.locator("#diagram .points").first).to_be_attached(timeout=30_000)
     explorer.page.locator("#diagram .stage").scroll_into_view_if_needed()
     return explorer
@@ -149,7 +149,7 @@ def test_what_is_saved_needs_no_style_sheet_and_has_the_rows(charted, tmp_path):
 
 def test_a_link_asks_for_no_diagram_and_offers_to_compute_it(explorer):
     asked = posts(explorer, "/v1/bifurcations")
-    explorer.visit(f"{LINK}&diagram=damping,0.5512,0.6513").state("Complete")
+    explorer.ask(f"{LINK}&diagram=damping,0.5512,0.6513").state("Complete")
     page = explorer.page
     button = page.get_by_role("button", name="Compute this diagram")
     expect(button).to_be_visible()
@@ -196,7 +196,7 @@ def test_a_closed_chart_comes_back_with_the_page(charted):
 
 def test_orbits_come_back_and_are_followed_from_the_keyboard(explorer, service):
     job = service.wait(service.submit({"longest": 1}, "orbits")["id"])
-    explorer.visit(f"{LINK}&orbits=1&orbits_job={job['id']}").state("Complete")
+    explorer.ask(f"{LINK}&orbits=1&orbits_job={job['id']}").state("Complete")
     page = explorer.page
     expect(page.locator("#orbits-chart .orbit").first).to_be_attached(timeout=30_000)
     stage = page.locator("#orbits .stage")
@@ -228,7 +228,7 @@ def test_charts_of_a_sweep_are_zoomed_and_kept_by_the_address(explorer, service)
 
 def test_a_tap_names_a_point_and_a_second_one_does_what_a_click_does(chromium_here, service, diagram):
     phone = Explorer(chromium_here, service.url, viewport={"width": 360, "height": 740}, has_touch=True, is_mobile=True)
-    phone.visit(f"{LINK}&diagram=damping,0.55,0.65&diagram_job={diagram['id']}").state("Complete")
+    phone.ask(f"{LINK}&diagram=damping,0.55,0.65&diagram_job={diagram['id']}").state("Complete")
     page = phone.page
     line = page.locator("#diagram path[data-motion='P(1,1,0)']")
     expect(line).to_be_attached(timeout=30_000)
@@ -256,7 +256,7 @@ def test_charts_keep_nobody_out(charted, theme):
 
 
 def test_loudness_is_a_layer_with_numbers_also_of_a_preview(explorer):
-    explorer.visit(f"{LINK}&layer=loudness")
+    explorer.ask(f"{LINK}&layer=loudness")
     explorer.state("Complete")
     page = explorer.page
     expect(page.locator("#layer")).to_have_value("loudness")
@@ -274,14 +274,14 @@ def test_loudness_is_a_layer_with_numbers_also_of_a_preview(explorer):
 
 
 def test_steps_are_told_in_impacts(explorer):
-    explorer.visit(f"{LINK}&layer=step").state("Complete")
+    explorer.ask(f"{LINK}&layer=step").state("Complete")
     expect(explorer.page.locator("#legend .ends span").first).to_have_text("101")
     expect(explorer.page.locator("#legend .ends span").last).to_have_text(re.compile(r"^\d[\d\u202f]+ impacts$"))
     assert explorer.colour(0.5, 0.1) == (68, 1, 84)
 
 
 def test_the_uncertainty_exponent_is_told_on_request(explorer):
-    explorer.visit(LINK).state("Complete")
+    explorer.ask(LINK).state("Complete")
     page = explorer.page
     page.locator("#uncertainty").click()
     words = page.locator("#explain + .note")
