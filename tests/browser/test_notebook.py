@@ -52,8 +52,7 @@ class Lab:
         cell.locator(".jp-InputArea-editor").click()
         self.page.keyboard.press("Shift+Enter")
         expect(cell.locator(".jp-InputPrompt").first).to_have_text(f"[{self.executed}]:", timeout=90_000)
-        printed = cell.locator(".jp-OutputArea-output")
-        return printed.inner_text() if printed.count() else ""
+        return "".join(cell.locator(".jp-OutputArea-output").all_inner_texts())
 
     def run_until(self, number, expected):
         """Run a cell until it prints something, as messages arrive between two runs alone."""

@@ -121,6 +121,11 @@ export async function showTakeaway(place, given) {
   list(place, given);
 }
 
+function curlOf(job, request) {
+  const url = new URL(pathOf(job ?? { kind: stepsOf(request).length ? "sweep" : "basin" }), location.href).href;
+  return `curl -X POST ${url} \\\n  -H 'content-type: application/json' \\\n  -d '${JSON.stringify(request)}'`;
+}
+
 function list(place, given) {
   const seen = { ...given, caption: captionHere(given) };
   const { job, request } = seen;
@@ -139,11 +144,8 @@ function list(place, given) {
   }
   // A design is a list of machines, which Python would give in other words.
   if (request.grid && !request.sample && !request.design) blocks.push(...copyable("Python that computes it", pythonOf(request)));
+  if (!frame) blocks.push(...copyable("curl", curlOf(job, request)));
   blocks.push(...copyable("JSON", JSON.stringify(request, null, 1)));
   filming.offer(seen);
   place.replaceChildren(paperFields(), files, filming.place, ...blocks);
-  if (frame) return;
-  const url = new URL(pathOf(job ?? { kind: stepsOf(request).length ? "sweep" : "basin" }), location.href).href;
-  const curl = `curl -X POST ${url} \\\n  -H 'content-type: application/json' \\\n  -d '${JSON.stringify(request)}'`;
-  place.append(...copyable("curl", curl));
 }
