@@ -1,4 +1,4 @@
-"""Pictures and films of every state of the explorer: ``python -m tests.browser.screenshots [ADDRESS]``; see `make screenshots`.
+"""Pictures and films of the explorer: ``python -m tests.browser.screenshots [ADDRESS]``; see `make screenshots`.
 
 Those that documents show go to docs/pictures, too; all of them go to the folder screenshots.
 """

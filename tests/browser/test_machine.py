@@ -79,9 +79,12 @@ def test_axes_count_units_of_the_machine_as_long_as_one_is_seen(filled):
     expect(page).to_have_url(re.compile("axes=machine"))
     page.reload()
     expect(page.locator("#axes")).to_have_value("machine")
+    expect(page.locator("#machine-said")).to_contain_text("Γ =")
+    page.mouse.move(*filled.spot(0.5, 0.5))
+    expect(page.locator("#reading")).to_contain_text("m/s")
     page.evaluate(WRITTEN)
     # Another oscillator is none of the machine.
-    page.locator("[data-turn=damping]").fill("0.6")
+    page.locator("[data-turn=damping]").fill("0.65")
     page.wait_for_function("() => window.written.includes('time t of departure (forcing periods)')")
 
 
