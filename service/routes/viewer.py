@@ -111,12 +111,15 @@ def get_uncertainty(
 ) -> Response:
     """Final-state uncertainty exponent of the window, with its error, from the labels of all cells."""
     location = _location_of_basins(job_id, jobs, settings, "an uncertainty exponent")
+    etag = etag_of(fingerprint(location), "uncertainty", str(panel))
+    if (known := not_modified(etag, if_none_match)) is not None:
+        return known
     with COMPUTING:
         fit = uncertainty_of_basin(location, panel)
     if fit is None:
         raise NotReady(f"basin {panel} of job {job_id} is not complete yet")
-    view = UncertaintyView(exponent=fit.exponent, error=fit.error)
-    return json_or_not_modified(json_answer(view.model_dump_json()), if_none_match)
+    body = UncertaintyView(exponent=fit.exponent, error=fit.error).model_dump_json()
+    return Response(body, media_type="application/json", headers={"etag": etag})
 
 
 @router.get(

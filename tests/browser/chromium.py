@@ -80,6 +80,17 @@ class Explorer:
         expect(self.page.locator("#compute")).to_be_enabled()
         self.page.locator("#compute").click()
 
+    def film(self, of, **fields):
+        """Have the page make a film; its download."""
+        if not self.page.locator(".film").is_visible():
+            self.page.locator("#away summary").click()
+        self.page.locator(".film select").select_option(of)
+        for name, value in fields.items():
+            self.page.locator(f".film input[name='film.{name}']").fill(value)
+        with self.page.expect_download(timeout=300_000) as download:
+            self.page.get_by_role("button", name="Make the film").click()
+        return download.value
+
     def frame(self, plane="#plane"):
         """Left, top, width and height of the plot on the screen."""
         box = self.page.locator(plane).bounding_box()

@@ -199,14 +199,8 @@ FILMS = (film_slider, film_tooth)
 
 def save_film(explorer, name, of, fields):
     """Have the page make a film, and write it where documents show it."""
-    page, target = explorer.page, ROOT / "docs" / "pictures" / f"{name}.webm"
-    page.locator("#away summary").click()
-    page.locator(".film select").select_option(of)
-    for field, value in fields.items():
-        page.locator(f".film input[name='film.{field}']").fill(value)
-    with page.expect_download(timeout=300_000) as download:
-        page.get_by_role("button", name="Make the film").click()
-    download.value.save_as(target)
+    target = ROOT / "docs" / "pictures" / f"{name}.webm"
+    explorer.film(of, **fields).save_as(target)
     print(target.relative_to(ROOT), target.stat().st_size // 1000, "kB")
 
 

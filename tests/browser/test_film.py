@@ -25,20 +25,14 @@ SIZE = """async (film) => {
 }"""
 
 
-def filmed(page, of, **fields):
+def filmed(explorer, of, **fields):
     """Size, and number of unlike frames, of a film."""
-    if not page.locator(".film").is_visible():
-        page.locator("#away summary").click()
-    page.locator(".film select").select_option(of)
-    for name, value in fields.items():
-        page.locator(f".film input[name='film.{name}']").fill(value)
-    with page.expect_download(timeout=120_000) as download:
-        page.get_by_role("button", name="Make the film").click()
-    film = download.value.path().read_bytes()
+    download = explorer.film(of, **fields)
+    film = download.path().read_bytes()
     assert film.startswith(bytes.fromhex("1a45dfa3")) and len(film) < 1_000_000
-    assert download.value.suggested_filename == "gear-rattle.webm"
+    assert download.suggested_filename == "gear-rattle.webm"
     # The page itself may load no film.
-    player = page.context.new_page()
+    player = explorer.context.new_page()
     seen = player.evaluate(SIZE, base64.b64encode(film).decode())
     player.close()
     return seen
@@ -47,7 +41,7 @@ def filmed(page, of, **fields):
 def test_a_slider_and_the_tooth_are_filmed_and_the_page_stays_as_it_is(explorer):
     page = explorer.visit().pictured().page
     address, caption = page.url, page.locator("#shown").inner_text()
-    wide, high, unlike = filmed(page, "damping", **{"from": "0.45", "to": "0.7", "count": "5"})
+    wide, high, unlike = filmed(explorer, "damping", **{"from": "0.45", "to": "0.7", "count": "5"})
     assert 700 <= wide <= 960 and 400 <= high and unlike >= 3
     expect(page.locator(".film [role=status]")).to_have_text("The film is saved.")
     assert findings(page) == []
@@ -55,7 +49,7 @@ def test_a_slider_and_the_tooth_are_filmed_and_the_page_stays_as_it_is(explorer)
     page.keyboard.press("Escape")
     page.mouse.click(*explorer.spot(0.9, 0.55))
     expect(page.locator("#histories .ends")).to_have_count(1)
-    *_, taller, unlike = filmed(page, "the tooth", count="6")
+    *_, taller, unlike = filmed(explorer, "the tooth", count="6")
     assert taller > high and unlike >= 4
 
 
@@ -75,6 +69,6 @@ def test_a_sweep_is_filmed_basin_by_basin(explorer, service):
     grid = {"time": {"cells": 40}, "velocity": {"cells": 40}}
     vary = [{"parameter": "damping", "values": [0.5, 0.6, 0.7]}]
     job = service.wait(service.submit({"grid": grid, "iterations": 227, "vary": vary})["id"])
-    page = explorer.visit(f"?job={job['id']}").pictured("40 × 40").page
-    *_, unlike = filmed(page, "the sweep")
+    explorer.visit(f"?job={job['id']}").pictured("40 × 40")
+    *_, unlike = filmed(explorer, "the sweep")
     assert unlike >= 3

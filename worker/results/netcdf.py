@@ -39,7 +39,4 @@ def netcdf_of(dataset: xr.Dataset, zarr: str) -> bytes:
             f"the result has {dataset.nbytes / 1e6:.0f} MB, more than the {MOST_BYTES / 1e6:.0f} MB of one netCDF file "
             f"here: read the Zarr store at {zarr}, and write what you need with to_netcdf"
         )
-    written = dataset.copy(deep=False)
-    # An unfinished result has no time at which it was finished.
-    written.attrs = {name: value for name, value in dataset.attrs.items() if value is not None}
-    return bytes(written.to_netcdf())
+    return bytes(dataset.to_netcdf())

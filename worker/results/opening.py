@@ -144,7 +144,8 @@ def _labelled(dataset: xr.Dataset) -> xr.Dataset:
         dataset = _with_machines(dataset, design)
         swept = [*design["parameters"]]
     parameters = {name: value for name, value in request.get("oscillator", {}).items() if name not in swept}
-    attributes = {name: _plain(value) for name, value in (dataset.attrs | parameters).items()}
+    given = (dataset.attrs | parameters).items()  # an unfinished result has no time at which it was finished
+    attributes = {name: _plain(value) for name, value in given if value is not None}
     for parameter in swept:
         if parameter in dataset.variables:
             dataset[parameter].attrs["long_name"] = in_words(parameter)
@@ -152,7 +153,8 @@ def _labelled(dataset: xr.Dataset) -> xr.Dataset:
         dataset = dataset.set_coords("name")
         if dataset["name"].dims == ("attractor",):
             dataset = dataset.assign_coords(attractor=dataset["name"].variable)  # values alone would load dask.array
-    return dataset.assign_attrs(attributes)
+    dataset.attrs = attributes
+    return dataset
 
 
 def _with_machines(dataset: xr.Dataset, design: dict[str, Any]) -> xr.Dataset:

@@ -35,7 +35,6 @@ function around(parameter, value) {
   return [value * (1 - REACH), value * (1 + REACH)];
 }
 
-
 /**
  * A diagram as it is shown: rows of the table of departures by motion, and how many impacts were kept.
  * @typedef {import("./chart_panel.js").JobScene & {motions: Map<string, any[]>, kept: number}} DiagramScene
