@@ -3,7 +3,7 @@
 from functools import partial
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, Request
+from fastapi import APIRouter, Depends, Request, Response
 from starlette.concurrency import run_in_threadpool
 
 from service.answers.previews import MOST_APPLICATIONS, MOST_CELLS, Previews
@@ -28,7 +28,9 @@ async def _previews(request: Request) -> Previews:
     description=(
         "Compute a small basin of either model and return the motion that each cell ends in. Nothing is recorded. The "
         "request is that of a basin; by default it has 128 x 128 cells and k = 127, which shows the basin of k = 1499 "
-        f"but for fine chaos. At most {MOST_CELLS} cells, and {MOST_APPLICATIONS} cells times iterations."
+        f"but for fine chaos. At most {MOST_CELLS} cells, and {MOST_APPLICATIONS} cells times iterations. The header "
+        "Server-Timing has the milliseconds that it took, `wall`, and those that it had of a processor, `cpu`: how much "
+        "longer the first is says how busy the machine is."
     ),
     responses=problems(
         s400="malformed JSON",
@@ -40,6 +42,7 @@ async def _previews(request: Request) -> Previews:
 async def preview(
     body: _BODY,
     request: Request,
+    response: Response,
     previews: Annotated[Previews, Depends(_previews)],
     checks: ChecksHere,
 ) -> PreviewView:
@@ -50,5 +53,6 @@ async def preview(
             pass
 
     asked = await checks.run(partial(parsed, PreviewRequest, body))
-    basin = await previews.compute(asked, gone)
+    basin, seconds, processor_seconds = await previews.compute(asked, gone)
+    response.headers["Server-Timing"] = f"wall;dur={1000 * seconds:.1f}, cpu;dur={1000 * processor_seconds:.1f}"
     return await run_in_threadpool(lambda: PreviewView.from_preview(basin, asked.checked().iterations))

@@ -51,7 +51,7 @@ const at = { request: null, edited: true, panel: 0, whole: { t0: 0, t1: 1, v0: 0
 const plane = new Plane([{ canvas: by("plane"), marks: by("marks") }, { canvas: by("plane-kept"), marks: by("marks-kept") }], { moved, hovered: (place) => hover.at(place), picked: (place, second) => oscillatorAt(place) && motions.pick(place, second), whole: () => plane.go(at.whole), annotated });
 const marks = new Marks(plane);
 const screen = new Screen(plane, { changed: pictureChanged, turned, left, failed: previewFailed, alone: () => ["idle", "refused"].includes(jobs.life.phase) });
-const form = new Form(by("ask"), { submitted: compute, edited, bounds: (bounds) => turn.bound(bounds), part: (request) => screen.partOf(request), sound });
+const form = new Form(by("ask"), { submitted: compute, edited, bounds: (bounds) => turn.bound(bounds), part: (request) => screen.partOf(request), busy: () => screen.busy, sound });
 const machine = machineForm({ converted, changed: () => (scaleAxes(), legend(), hover.read(), remember(false)) });
 const turn = new Turn(by("turn"), (name, value) => slid(name, value), () => compute(form.request()));
 const jobs = new Jobs({ changed: lifeChanged, begun, drawn });

@@ -2,6 +2,7 @@
 
 import base64
 import contextlib
+import re
 import threading
 
 import httpx2 as httpx
@@ -36,6 +37,14 @@ def test_the_answer_is_the_preview_of_the_worker(service, oscillator):
     assert [each["share"] for each in told["solutions"]] == own.shares.tolist()
     assert told["iterations"] == 61 and {"paper", "colour_blind"} == told["solutions"][0]["colours"].keys()
     assert left_behind(service) == before, "nothing is recorded"
+
+
+def test_it_says_how_long_it_took_and_how_long_it_had_a_processor(service):
+    timing = re.fullmatch(r"wall;dur=([\d.]+), cpu;dur=([\d.]+)", ask(service, **SMALL).headers["server-timing"])
+    assert timing
+    wall, processor = map(float, timing.groups())
+    # Two clocks, each rounded to a tenth; the processor's counts in steps of up to 10 ms.
+    assert 0.0 < processor <= wall + 10.2
 
 
 @pytest.mark.parametrize(

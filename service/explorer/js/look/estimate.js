@@ -12,14 +12,28 @@ export function partTaken(solutions, few) {
 }
 
 /**
- * How long a request takes, in words.
- * @param {number} seconds at most, at the speed that the service has measured
- * @param {number|null} part of that which its cells take, where a preview has shown it
+ * How many times as long a preview took as on a machine that does nothing else.
+ * @param {string|null} timing header Server-Timing: the milliseconds that went by, and those on a processor
  */
-export function secondsInWords(seconds, part) {
-  const taken = seconds * (part ?? 1);
+export function busyness(timing) {
+  const [wall, cpu] = ["wall", "cpu"].map((name) => Number(new RegExp(`\\b${name};dur=([0-9.]+)`).exec(timing ?? "")?.[1]));
+  return cpu > 0 && wall > cpu ? wall / cpu : 1;
+}
+
+// Below this ratio another run of the same preview can be on the other side.
+const BUSY = 1.5;
+
+/**
+ * How long a request takes, in words.
+ * @param {number} seconds at most, at the speed that the service has measured when it started
+ * @param {number|null} part of that which its cells take, where a preview has shown it
+ * @param {number} busy how many times as long the last preview took as on a machine that does nothing else
+ */
+export function secondsInWords(seconds, part, busy) {
+  const taken = seconds * (part ?? 1) * busy;
   const about = part === null ? "Up to about" : "About";
+  const why = busy < BUSY ? "." : ": the machine is busy.";
   if (taken < 1) return "Less than a second of computing.";
-  if (taken < 90) return `${about} ${Math.ceil(taken)} s of computing.`;
-  return `${about} ${Math.ceil(taken / 60)} minutes of computing.`;
+  if (taken < 90) return `${about} ${Math.ceil(taken)} s of computing${why}`;
+  return `${about} ${Math.ceil(taken / 60)} minutes of computing${why}`;
 }

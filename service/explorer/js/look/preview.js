@@ -1,7 +1,8 @@
 /** A small basin that the service computes at once: a picture of one tile, complete when it comes. */
 
-import { post } from "../net/api.js";
+import { sendJson, whole } from "../net/api.js";
 import { Picture } from "../plane/picture.js";
+import { busyness } from "./estimate.js";
 import { UNSETTLED } from "./explain.js";
 import { axesOf } from "../state/window.js";
 
@@ -26,11 +27,13 @@ export class Preview extends Picture {
    * @param {PreviewAnswer} answer as from `/v1/previews`
    * @param {Oscillator} oscillator that it is of
    * @param {boolean} quick whether slow motions are named by what a few thousand impacts show
+   * @param {number} busy how many times as long it took as on a machine that does nothing else
    */
-  constructor(answer, oscillator, quick) {
+  constructor(answer, oscillator, quick, busy) {
     super(null, 0, outlineOf(answer, quick));
     this.oscillator = oscillator;
     this.quick = quick;
+    this.busy = busy;
     this.iterations = answer.iterations;
     const bytes = Uint8Array.from(atob(answer.labels), (letter) => letter.charCodeAt(0));
     for (let row = 0; row < this.height; row++) {
@@ -73,5 +76,6 @@ export class Preview extends Picture {
 export async function askPreview(oscillator, view, { cells, iterations, quick }, signal) {
   const grid = axesOf(view, { time: cells, velocity: cells });
   const body = { oscillator, grid, quick, ...(iterations ? { iterations } : {}) };
-  return new Preview(await post("/v1/previews", body, { signal }), oscillator, quick);
+  const answer = await sendJson("/v1/previews", body, { signal });
+  return new Preview(await whole(() => answer.json()), oscillator, quick, busyness(answer.headers.get("server-timing")));
 }

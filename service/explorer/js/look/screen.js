@@ -49,6 +49,8 @@ export class Screen {
     this.unseen = null;
     this.panel = 0;
     this.opened = null;
+    /** How many times as long the last preview took as on a machine that does nothing else. */
+    this.busy = 1;
   }
 
   /** Look at an oscillator in a window: a preview of it comes at once. */
@@ -108,6 +110,8 @@ export class Screen {
     if (!this.moving && !sameOscillator(preview.oscillator, this.wanted)) return;
     if (this.#turn(preview.oscillator)) this.tell.left();
     this.plane.preview(preview);
+    // A quick one takes 30 ms, no longer than others may have the processor for.
+    if (!preview.quick) this.busy = preview.busy;
     this.tell.changed();
   }
 

@@ -94,10 +94,15 @@ export async function get(path, options) {
   return whole(() => answer.json());
 }
 
+/** Send a POST of JSON. @returns {Promise<Response>} */
+export function sendJson(path, body, options) {
+  const headers = { "content-type": "application/json" };
+  return send(path, { ...options, method: "POST", headers, body: JSON.stringify(body) });
+}
+
 /** Response to a POST of JSON, as JSON. */
 export async function post(path, body, options) {
-  const headers = { "content-type": "application/json" };
-  const answer = await send(path, { ...options, method: "POST", headers, body: JSON.stringify(body) });
+  const answer = await sendJson(path, body, options);
   return whole(() => answer.json());
 }
 

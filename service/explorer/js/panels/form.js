@@ -39,6 +39,7 @@ export class Form {
    * @param {() => void} tell.edited called after each change
    * @param {(bounds: object[]) => void} tell.bounds called with the bounds that apply
    * @param {(request: BasinRequest) => number|null} tell.part of its iterations that a request's cells take, where that is known
+   * @param {() => number} tell.busy how many times as long the last preview took as on a machine that does nothing else
    * @param {(sound: boolean) => void} tell.sound called with whether the service would take the oscillator and the window
    */
   constructor(form, tell) {
@@ -280,7 +281,7 @@ export class Form {
 
   /** Say how long a request takes that the service would take. */
   price() {
-    if (this.seconds !== null) this.#say(secondsInWords(this.seconds, this.tell.part(this.request())), false);
+    if (this.seconds !== null) this.#say(secondsInWords(this.seconds, this.tell.part(this.request()), this.tell.busy()), false);
   }
 
   #hint(hint, text, why, wrong) {
