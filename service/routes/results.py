@@ -150,7 +150,11 @@ ColoursAsked = Annotated[
 ]
 NotesAsked = Annotated[Sequence[str], Query(description="Pinned points with labels, as in `0.3,4.1,here`")]
 MeasuresAsked = Annotated[
-    Sequence[str], Query(description="Lines with the distance between two points, as in `0.3,4.1,0.5,4.4`")
+    Sequence[str],
+    Query(
+        description="Lines with the distance between two points, as in `0.3,4.1,0.5,4.4`, or with a label after a "
+        "further comma, which may be empty"
+    ),
 ]
 KeyAsked = Annotated[bool, Query(description="Whether all that lies over basins is named, also marks")]
 CaptionAsked = Annotated[bool, Query(description="Whether the file has a caption with parameters and what to cite")]

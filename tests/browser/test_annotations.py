@@ -53,6 +53,12 @@ def test_points_and_distances_travel_in_the_address_and_can_be_removed(explorer,
     expect(page.get_by_label("label of the point")).to_have_value("a fold, here")
     page.get_by_role("button", name="Remove").click()
     page.mouse.click(*explorer.spot(0.5, 0.2))
+    expect(page.get_by_label("label of the line")).to_have_value("Δt = 0.25, Δv = 1.4")
+    page.keyboard.press("Delete")
+    page.keyboard.press("Enter")
+    assert query_of(page)["measure"][0].endswith(","), "a plain line"
+    page.mouse.click(*explorer.spot(0.5, 0.2))
+    expect(page.get_by_label("label of the line")).to_have_value("")
     page.get_by_role("button", name="Remove").click()
     assert not {"note", "measure"} & set(query_of(page))
     assert explorer.colour(0.5, 0.2) != (255, 255, 255)

@@ -28,7 +28,7 @@ for (const [name, request] of Object.entries({ impacts: REQUEST, springs: SPRING
         diagram: { parameter: "damping", x: [0.55, 0.6], y: [2, 5], job: "ghi" }, orbits: { x: null, y: null, job: "jkl" },
         shares: { x: [0.5, 0.6], y: [0, 0.5] }, power: null,
       },
-      annotated: { notes: [{ t: 0.3, v: 4.1, label: "a fold, here & “there” +5 %" }, { t: 0.5, v: 2, label: "" }], measures: [{ t0: 0.1, v0: 1, t1: -0.25, v1: 2.5 }] },
+      annotated: { notes: [{ t: 0.3, v: 4.1, label: "a fold, here & “there” +5 %" }, { t: 0.5, v: 2, label: "" }], measures: [{ t0: 0.1, v0: 1, t1: -0.25, v1: 2.5, label: null }, { t0: 0, v0: 1, t1: 1, v1: 2, label: "" }, { t0: 0, v0: 3, t1: 1, v1: 2, label: "a, b" }] },
     };
     assert.deepEqual(decode(encode(seen)), seen);
   });
@@ -134,7 +134,7 @@ test("annotations that cannot be read are left out and told, and there are at mo
   const written = "?note=0.3,x,here&note=0.3&note=0.25,4,kept&measure=1,2,3&measure=0.1,1,0.2,2";
   const { annotated } = decode(written);
   assert.match(doubts(written)[0], /: note=0.3,x,here, note=0.3, measure=1,2,3\.$/);
-  assert.deepEqual(annotated, { notes: [{ t: 0.25, v: 4, label: "kept" }], measures: [{ t0: 0.1, v0: 1, t1: 0.2, v1: 2 }] });
+  assert.deepEqual(annotated, { notes: [{ t: 0.25, v: 4, label: "kept" }], measures: [{ t0: 0.1, v0: 1, t1: 0.2, v1: 2, label: null }] });
   const many = `?${"note=0.5,1&".repeat(30)}`;
   assert.equal(decode(many).annotated.notes.length, 20);
   assert.equal(withOne(decode(many).annotated.notes, { t: 0, v: 0, label: "" }).length, 20);

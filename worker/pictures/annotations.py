@@ -1,4 +1,4 @@
-"""Annotations of a picture: pinned points with labels, and lines with the distance between their ends."""
+"""Annotations of a picture: pinned points with labels, and lines, which say a label or the distance of their ends."""
 
 import math
 from collections.abc import Sequence
@@ -46,7 +46,14 @@ class Note(NamedTuple):
 
 
 class Measure(NamedTuple):
-    """A line with the distance between its ends.
+    """A line with its label, or with the distance between its ends.
+
+    Parameters
+    ----------
+    t0, v0, t1, v1 : float
+        Its ends.
+    label : str or None
+        The distance where it is None; nothing where it is empty.
 
     Examples
     --------
@@ -61,6 +68,7 @@ class Measure(NamedTuple):
     v0: float
     t1: float
     v1: float
+    label: str | None = None
 
     def draw(self, axes: Axes, time_start: float = 0.0) -> None:
         """Draw it on axes that show one period from ``time_start`` on: so its first end."""
@@ -70,7 +78,10 @@ class Measure(NamedTuple):
             [t0, t1], [self.v0, self.v1], "-", color="white", linewidth=1.2, label="_measure",
             path_effects=[Stroke(linewidth=3.0, foreground="black"), *_HALO],
         )  # fmt: skip
-        text = f"Δt = {self.t1 - self.t0:.3g}, Δv = {self.v1 - self.v0:.3g}".replace("-", "−")
+        distance = f"Δt = {self.t1 - self.t0:.3g}, Δv = {self.v1 - self.v0:.3g}".replace("-", "−")
+        text = distance if self.label is None else self.label
+        if not text:
+            return
         axes.annotate(
             text, ((t0 + t1) / 2, (self.v0 + self.v1) / 2), (6.0, 6.0), textcoords="offset points", color="white",
             bbox=_GROUND, annotation_clip=True,
@@ -84,6 +95,8 @@ Annotation = Note | Measure
 def parse_annotations(notes: Sequence[str], measures: Sequence[str]) -> tuple[Annotation, ...]:
     """Annotations from texts as ``0.3,4.1,a label`` and ``0.3,4.1,0.5,4.4``, as addresses of the page have them.
 
+    A line has a label after a further comma, if need be an empty one.
+
     Raises
     ------
     InvalidJob
@@ -93,6 +106,8 @@ def parse_annotations(notes: Sequence[str], measures: Sequence[str]) -> tuple[An
     --------
     >>> parse_annotations(["0.3,4.1,here, and there"], [])
     (Note(t=0.3, v=4.1, label='here, and there'),)
+    >>> parse_annotations([], ["0.3,4.1,0.5,4.4,"])
+    (Measure(t0=0.3, v0=4.1, t1=0.5, v1=4.4, label=''),)
     """
     if max(len(notes), len(measures)) > MOST:
         raise InvalidJob(f"a picture has at most {MOST} notes and {MOST} measures")
@@ -101,14 +116,20 @@ def parse_annotations(notes: Sequence[str], measures: Sequence[str]) -> tuple[An
 
 def _note(text: str) -> Note:
     numbers, label = text.split(",", 2)[:2], ",".join(text.split(",")[2:])
-    if len(label) > MOST_LETTERS:
-        raise InvalidJob(f"the label of a note has at most {MOST_LETTERS} letters")
     t, v = _numbers(numbers, 2, f"a note is a time, a speed and a label: 0.3,4.1,here, not {text}")
-    return Note(t, v, label)
+    return Note(t, v, _short(label, "note"))
 
 
 def _measure(text: str) -> Measure:
-    return Measure(*_numbers(text.split(","), 4, f"a measure is two points: 0.3,4.1,0.5,4.4, not {text}"))
+    numbers, label = text.split(",", 4)[:4], text.split(",", 4)[4:]
+    ends = _numbers(numbers, 4, f"a measure is two points, and if need be a label: 0.3,4.1,0.5,4.4, not {text}")
+    return Measure(*ends, _short(label[0], "measure") if label else None)
+
+
+def _short(label: str, what: str) -> str:
+    if len(label) > MOST_LETTERS:
+        raise InvalidJob(f"the label of a {what} has at most {MOST_LETTERS} letters")
+    return label
 
 
 def _numbers(parts: list[str], count: int, refusal: str) -> list[float]:

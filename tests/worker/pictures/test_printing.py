@@ -161,12 +161,13 @@ def test_motions_have_the_colours_that_are_given(store):
 
 
 def test_annotations_are_drawn_in_the_period_that_is_seen_and_in_no_legend(store):
-    written = parse_annotations(["0.3,4.1,a fold, here"], ["0.9,1,1.1,2.5"])
+    written = parse_annotations(["0.3,4.1,a fold, here"], ["0.9,1,1.1,2.5", "0,0,1,1,", "0.8,1,0.9,2,a, b"])
     look = Look(window=Window(0.75, 1.25, 0.0, 7.0), annotations=written, overlay_key=True)
     axes = basin_figure(store.location, look).axes[0]
     told = {text.get_text(): text.xy for text in axes.texts}
     assert told["a fold, here"] == pytest.approx((1.3, 4.1))
     assert told["Δt = 0.2, Δv = 1.5"] == pytest.approx((1.0, 1.75))
+    assert told["a, b"] == pytest.approx((0.85, 1.5)) and len(told) == 3, "a plain line says nothing"
     assert not [text for text in axes.get_legend().get_texts() if "note" in text.get_text() or "Δ" in text.get_text()]
 
 
@@ -178,6 +179,8 @@ def test_annotations_are_drawn_in_the_period_that_is_seen_and_in_no_legend(store
         (["0.3,inf,c"], [], "a note is"),
         (["0.3,4," + 61 * "x"], [], "at most 60 letters"),
         ([], ["1,2,3"], "a measure is two points"),
+        ([], ["1,2,3,x"], "a measure is two points"),
+        ([], ["1,2,3,4," + 61 * "x"], "the label of a measure has at most 60 letters"),
         (21 * ["0.3,4,x"], [], "at most 20 notes"),
     ],
 )

@@ -1,11 +1,11 @@
-/** Pins points with labels on the plane and draws distances, by pointer and keys. */
+/** Pins points with labels on the plane and draws lines, by pointer and keys. */
 
-import { withOne } from "../state/annotations.js";
+import { measureInWords, withOne } from "../state/annotations.js";
 import { annotationAt } from "../plane/annotations.js";
 
 export class Annotations {
   /**
-   * @param {{button: HTMLElement, box: HTMLElement}} parts its switch, and the box with the label of a point
+   * @param {{button: HTMLElement, box: HTMLElement}} parts its switch, and the box with the label of a point or a line
    * @param {import("../plane/plane.js").Plane} plane
    * @param {() => void} changed
    */
@@ -24,7 +24,7 @@ export class Annotations {
     for (const { canvas } of plane.panes) canvas.addEventListener("mousedown", (event) => plane.annotating && event.preventDefault());
     box.querySelector("button").addEventListener("click", () => this.#remove(this.open));
     this.input.addEventListener("input", () => {
-      this.open.note.label = this.input.value;
+      (this.open.note ?? this.open.measure).label = this.input.value;
       this.#tell();
     });
     box.addEventListener("keydown", (event) => {
@@ -58,7 +58,7 @@ export class Annotations {
   measure(from, to) {
     this.close();
     const turn = Math.floor(from.t);
-    const measure = { t0: from.t - turn, v0: from.v, t1: to.t - turn, v1: to.v };
+    const measure = { t0: from.t - turn, v0: from.v, t1: to.t - turn, v1: to.v, label: null };
     this.plane.annotated = { ...this.plane.annotated, measures: withOne(this.plane.annotated.measures, measure) };
     this.#tell();
   }
@@ -101,12 +101,13 @@ export class Annotations {
     const { note, measure } = which;
     this.open = which;
     this.box.hidden = false;
-    this.input.hidden = !note;
-    this.input.value = note?.label ?? "";
+    this.input.value = note ? note.label : measureInWords(measure);
+    this.input.setAttribute("aria-label", note ? "label of the point" : "label of the line: empty for a plain line");
     const { t, v } = this.plane.inView(note ? note : { t: (measure.t0 + measure.t1) / 2, v: (measure.v0 + measure.v1) / 2 });
     this.box.style.left = `${Math.max(0, Math.min(plot.x(t), plot.size.width - this.box.offsetWidth))}px`;
     this.box.style.top = `${Math.max(0, Math.min(plot.y(v) + 12, plot.size.height - this.box.offsetHeight))}px`;
-    (note ? this.input : this.box.querySelector("button")).focus();
+    this.input.focus();
+    this.input.select();
   }
 
   #tell() {

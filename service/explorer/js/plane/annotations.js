@@ -1,6 +1,6 @@
 /** Draws annotations over the plane, in the period that is seen. */
 
-import { distanceInWords } from "../state/annotations.js";
+import { measureInWords } from "../state/annotations.js";
 import { strokeTwice } from "./marks.js";
 
 const PIN = 4;
@@ -39,7 +39,7 @@ function pinOf(plot, { t, v }) {
   return [plot.x(t - Math.floor(t - plot.view.t0)), plot.y(v)];
 }
 
-/** Draw a line with the distance between its ends. */
+/** Draw a line with what it says. */
 export function drawMeasure(plot, measure) {
   const { context } = plot;
   const [x0, y0, x1, y1] = endsOf(plot, measure);
@@ -52,7 +52,7 @@ export function drawMeasure(plot, measure) {
     context.lineTo(x + across[0], y + across[1]);
   }
   strokeTwice(context);
-  write(plot, distanceInWords(measure), (x0 + x1) / 2, (y0 + y1) / 2 - 8, 8);
+  write(plot, measureInWords(measure), (x0 + x1) / 2, (y0 + y1) / 2 - 8, 8);
 }
 
 /** @param {import("./plot.js").Plot} plot @param {import("../state/annotations.js").Annotated} annotated */

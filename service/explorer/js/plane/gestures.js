@@ -44,12 +44,12 @@ export class Gestures {
     return this.drag?.box ? this.drag : null;
   }
 
-  /** The distance that is being measured; null if there is none. */
+  /** The line that is being drawn; null if there is none. */
   get line() {
     const { drag } = this;
     if (!drag?.line || !drag.moved) return null;
     const [a, b] = [drag.plot.point(drag.from.x, drag.from.y), drag.plot.point(drag.to.x, drag.to.y)];
-    return { t0: a.t, v0: a.v, t1: b.t, v1: b.v };
+    return { t0: a.t, v0: a.v, t1: b.t, v1: b.v, label: null };
   }
 
   /** Whether the window is being dragged. */

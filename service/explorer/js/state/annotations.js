@@ -1,7 +1,7 @@
-/** Annotations of the plane: pinned points with labels, and lines with the distance between their ends. */
+/** Annotations of the plane: pinned points with labels, and lines, which say the distance between their ends or a label. */
 
 /** @typedef {{t: number, v: number, label: string}} Note */
-/** @typedef {{t0: number, v0: number, t1: number, v1: number}} Measure */
+/** @typedef {{t0: number, v0: number, t1: number, v1: number, label: string|null}} Measure null for the distance */
 /** @typedef {{notes: Note[], measures: Measure[]}} Annotated */
 
 /** Most of each, and letters of a label. */
@@ -19,12 +19,17 @@ function noteIn(text) {
   return { t: Number(t), v: Number(v), label: label.join(",").slice(0, MOST_LETTERS) };
 }
 
-/** A line in an address, as "0.3,4.1,0.5,4.4"; null if it is none. @param {string} text @returns {Measure|null} */
+/**
+ * A line in an address, as "0.3,4.1,0.5,4.4" or with a label after a comma, which may be empty; null if it is none.
+ * @param {string} text
+ * @returns {Measure|null}
+ */
 function measureIn(text) {
-  const numbers = text.split(",").map((part) => (part === "" ? NaN : Number(part)));
+  const parts = text.split(",");
+  const numbers = parts.slice(0, 4).map((part) => (part === "" ? NaN : Number(part)));
   if (numbers.length !== 4 || !numbers.every(Number.isFinite)) return null;
   const [t0, v0, t1, v1] = numbers;
-  return { t0, v0, t1, v1 };
+  return { t0, v0, t1, v1, label: parts.length > 4 ? parts.slice(4).join(",").slice(0, MOST_LETTERS) : null };
 }
 
 /** Annotations in an address. @param {URLSearchParams} query @returns {Annotated} */
@@ -43,7 +48,9 @@ export function unreadAnnotations(query) {
 export function annotationFields({ notes, measures }) {
   return [
     ...notes.map(({ t, v, label }) => /** @type {[string, string]} */ (["note", [short(t), short(v), ...(label ? [label] : [])].join(",")])),
-    ...measures.map(({ t0, v0, t1, v1 }) => /** @type {[string, string]} */ (["measure", [t0, v0, t1, v1].map(short).join(",")])),
+    ...measures.map(({ label, t0, v0, t1, v1 }) => {
+      return /** @type {[string, string]} */ (["measure", [...[t0, v0, t1, v1].map(short), ...(label === null ? [] : [label])].join(",")]);
+    }),
   ];
 }
 
@@ -52,8 +59,9 @@ export function withOne(list, one) {
   return list.length < MOST ? [...list, one] : list;
 }
 
-/** How far the ends of a line are apart, in words. @param {Measure} measure */
-export function distanceInWords({ t0, v0, t1, v1 }) {
+/** What a line says: its label, or how far its ends are apart. @param {Measure} measure */
+export function measureInWords({ t0, v0, t1, v1, label }) {
+  if (label !== null) return label;
   const told = (value) => String(Number(value.toPrecision(3))).replace("-", "−");
   return `Δt = ${told(t1 - t0)}, Δv = ${told(v1 - v0)}`;
 }
