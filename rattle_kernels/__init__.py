@@ -59,10 +59,12 @@ from rattle_kernels.manifolds.stable_manifold import (
     unstable_manifold,
 )
 from rattle_kernels.model.bounds import (
+    damping_bound_quiet,
     eccentricity_bound_convexity,
     eccentricity_bound_quiet,
     eccentricity_bound_smooth_maxima,
     stiffness_bound,
+    stiffness_gap_quiet,
 )
 from rattle_kernels.model.domain import (
     OutsideDomain,
@@ -162,6 +164,7 @@ __all__ = [
     "continue_attractor",
     "continue_orbit",
     "continue_special_point",
+    "damping_bound_quiet",
     "departures_after_pulses",
     "eccentric_gears",
     "eccentricity_bound_convexity",
@@ -196,6 +199,7 @@ __all__ = [
     "single_contact_orbits",
     "stable_manifold",
     "stiffness_bound",
+    "stiffness_gap_quiet",
     "tangent_growth",
     "time_history",
     "torque_ripple",

@@ -190,5 +190,5 @@ def previous_impacts(oscillator: Oscillator, t: np.typing.ArrayLike, v: np.typin
     checked = check_invertible(oscillator)
     phase, speed = (np.array(a) for a in np.broadcast_arrays(*check_departures(t, v, ended=True)))
     lower_impacts, outcome = np.zeros(phase.shape, np.int64), np.zeros(phase.shape, np.int8)
-    _undo_all(checked.in_kernels, phase.ravel(), speed.ravel(), lower_impacts.ravel(), outcome.ravel())
+    _undo_all(checked, phase.ravel(), speed.ravel(), lower_impacts.ravel(), outcome.ravel())
     return Impacts(phase, speed, lower_impacts, outcome)

@@ -66,7 +66,7 @@ def rest_velocity(oscillator: Oscillator, t: np.typing.ArrayLike) -> np.ndarray:
     """
     checked, phase = check_release(oscillator), check_phases(t)
     velocity = np.zeros(phase.size)
-    _fill(checked.in_kernels, largest_grazing_speed(checked), phase.ravel(), velocity)
+    _fill(checked, largest_grazing_speed(checked), phase.ravel(), velocity)
     return velocity.reshape(phase.shape)
 
 

@@ -152,11 +152,11 @@ def _legs(curve_map: CurveMap, size: int, impacts: int) -> Iterator[slice]:
 def _map_from(curve_map: CurveMap, base: np.ndarray, t: np.ndarray, v: np.ndarray) -> CurvePoints:
     """Fill the rows above each point's base, in place."""
     direction, power, turns, touched = curve_map.direction, curve_map.power, curve_map.turns, curve_map.touched
-    oscillator = curve_map.oscillator.in_kernels
+    oscillator = curve_map.oscillator
     case = np.zeros(t.shape[1], np.int64)
     for leg in _legs(curve_map, case.size, power * t.shape[0]):
         _follow(oscillator, direction, power, turns, touched, base, t, v, case, leg.start, leg.stop)
-    if not (curve_map.oscillator.is_loose or np.isfinite(v[-1]).all()):
+    if not (oscillator.is_loose or np.isfinite(v[-1]).all()):
         raise UndecidedFlight(f"an image of (t, v) = ({t[0, 0]}, {v[0, 0]}) or near it was not found")
     return CurvePoints(t, v, np.zeros(case.size, np.bool_), np.ones(case.size, np.bool_), case, case.copy())
 

@@ -87,6 +87,95 @@ def eccentricity_bound_quiet(oscillator: Oscillator) -> float:
     return 2 * damping * stretch / math.hypot(2 * math.pi, damping)
 
 
+def damping_bound_quiet(oscillator: Oscillator) -> float:
+    """Damping above which a quiet solution exists at a stiffness and an eccentricity, Eq. (3) solved for it.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Its stiffness may be infinite; its damping is not used.
+
+    Returns
+    -------
+    float
+        Infinite where the largest damping of a float has none.
+
+    Raises
+    ------
+    OutsideDomain
+        If the stiffness is not positive.
+    ValueError
+        With several harmonics or damping in contact, where Eq. (3) is no formula.
+
+    Examples
+    --------
+    >>> bound = damping_bound_quiet(Oscillator(eccentricity=0.15, stiffness=100.0))
+    >>> round(eccentricity_bound_quiet(Oscillator(bound, stiffness=100.0)), 12)
+    0.15
+    """
+    _demand_one_harmonic(oscillator)
+    demand_positive(oscillator, "stiffness")
+    eccentricity = oscillator.eccentricity
+    if not eccentricity > 0.0:
+        return 0.0
+    # a x^2 + b x - c = 0 with x = damping^2 has one positive root. Each form of it is used where nothing cancels.
+    reduced, rate = 1.0 - 2.0 * math.pi**2 / oscillator.stiffness, _TWO_PI / oscillator.stiffness
+    a, c = rate * rate, _TWO_PI * eccentricity * (_TWO_PI * eccentricity)
+    b = 4.0 * reduced * reduced - eccentricity * eccentricity
+    root = math.sqrt(b * b + 4.0 * a * c)
+    if b > 0.0:
+        return math.sqrt(2.0 * c / (b + root))
+    return math.sqrt((root - b) / (2.0 * a)) if a > 0.0 else math.inf
+
+
+def stiffness_gap_quiet(oscillator: Oscillator) -> tuple[float, float] | None:
+    """Stiffnesses between which there is no quiet solution at a damping and an eccentricity, Eq. (3) solved for them.
+
+    There contact resonates. Soft contact does not follow, stiff contact hardly bends.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Its stiffness is not used.
+
+    Returns
+    -------
+    (float, float) or None
+        None where every stiffness has one. The second is infinite from epsilon_crit2 on (Eq. 8).
+
+    Raises
+    ------
+    OutsideDomain
+        If the damping is not positive.
+    ValueError
+        With several harmonics or damping in contact, where Eq. (3) is no formula.
+
+    Examples
+    --------
+    >>> low, high = stiffness_gap_quiet(Oscillator(eccentricity=0.15))
+    >>> [round(eccentricity_bound_quiet(Oscillator(stiffness=edge)), 12) for edge in (low, high)]
+    [0.15, 0.15]
+    """
+    _demand_one_harmonic(oscillator)
+    demand_positive(oscillator, "damping")
+    # (1 - part) x^2 - 4 x + 4 + turn^2 = 0 with x = stiffness/pi^2, divided by turn so that no square overflows.
+    turn = oscillator.damping / math.pi
+    ratio, half = oscillator.eccentricity / turn, 0.5 * oscillator.eccentricity
+    part = ratio * ratio + half * half
+    discriminant = 4.0 * part / turn / turn - (1.0 - part)
+    if not discriminant > 0.0:
+        return None
+    sum_of = 2.0 / turn + math.sqrt(discriminant)
+    low = (4.0 / turn + turn) / sum_of
+    return math.pi**2 * low, math.pi**2 * turn * sum_of / (1.0 - part) if part < 1.0 else math.inf
+
+
+def _demand_one_harmonic(oscillator: Oscillator) -> None:
+    check_is_oscillator(oscillator)
+    if oscillator.harmonics or oscillator.contact_damping > 0.0:
+        raise ValueError("with several harmonics or damping in contact Eq. (3) is no formula: search for the bound")
+
+
 def eccentricity_bound_smooth_maxima(oscillator: Oscillator) -> float:
     """Bound epsilon_crit2 below which Phi has no smooth maxima in freeplay, Eq. (8).
 

@@ -1,17 +1,18 @@
 """Check a request without recording it: the checks of a submission, and the bounds that apply."""
 
-from collections.abc import Callable, Sequence
+import math
 from typing import Any
 
-import numpy as np
 from pydantic import BaseModel, Field
 
 from rattle_kernels import (
     Oscillator,
     OutsideDomain,
+    damping_bound_quiet,
     eccentricity_bound_quiet,
     eccentricity_bound_smooth_maxima,
     stiffness_bound,
+    stiffness_gap_quiet,
 )
 from service.answers.limits import job_from
 from service.errors import LimitExceeded
@@ -22,9 +23,6 @@ from worker.errors import InvalidJob
 from worker.estimate import estimate
 from worker.jobs.oscillator_request import PIECEWISE_LINEAR
 from worker.kinds import KINDS, kind_of
-
-# Where refused values are looked for, and the halvings that find where they begin and end.
-_DAMPINGS, _STIFFNESSES, _HALVINGS = np.geomspace(0.005, 5.0, 61), np.geomspace(1.0, 1e9, 91), 50
 
 
 class BoundView(BaseModel):
@@ -116,41 +114,19 @@ def _eccentricity_bound(known: Oscillator, quiet: bool, loose: bool) -> BoundVie
 
 
 def _quiet_damping(known: Oscillator) -> BoundView | None:
-    refused = _refused(lambda damping: _is_quiet(known._replace(damping=damping)), _DAMPINGS)
-    if refused is None or refused[1] is None:
+    bound = damping_bound_quiet(known)
+    if not math.isfinite(bound):
         return None
-    return BoundView(field="damping", above=refused[1], why="below it there is no quiet solution (Eq. 3)")
+    return BoundView(field="damping", above=bound, why="below it there is no quiet solution (Eq. 3)")
 
 
 def _quiet_stiffness(known: Oscillator, bound: BoundView) -> BoundView:
-    refused = _refused(lambda stiffness: _is_quiet(known._replace(stiffness=stiffness)), _STIFFNESSES)
-    if refused is None:
+    gap = stiffness_gap_quiet(known)
+    if gap is None:
         return bound
-    return bound.model_copy(update={"between": refused, "why": "between the two there is no quiet solution (Eq. 3)"})
-
-
-def _is_quiet(oscillator: Oscillator) -> bool:
-    return oscillator.eccentricity < eccentricity_bound_quiet(oscillator)
-
-
-def _refused(
-    allowed: Callable[[float], bool], values: Sequence[float] | np.ndarray
-) -> tuple[float, float | None] | None:
-    """The first values that are refused, from where to where; None for the end if that is not reached."""
-    taken = [allowed(float(value)) for value in values]
-    if all(taken):
-        return None
-    first = taken.index(False)
-    last = next((at for at in range(first, len(taken)) if taken[at]), None)
-    begin = float(values[0]) if first == 0 else _edge(allowed, float(values[first - 1]), float(values[first]))
-    return begin, None if last is None else _edge(allowed, float(values[last]), float(values[last - 1]))
-
-
-def _edge(allowed: Callable[[float], bool], inside: float, outside: float) -> float:
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (inside + outside)
-        inside, outside = (middle, outside) if allowed(middle) else (inside, middle)
-    return inside
+    low, high = gap
+    between = low, high if math.isfinite(high) else None
+    return bound.model_copy(update={"between": between, "why": "between the two there is no quiet solution (Eq. 3)"})
 
 
 def _is_positive(value: Any) -> bool:

@@ -29,8 +29,8 @@ async def _previews(request: Request) -> Previews:
         "Compute a small basin of either model and return the motion that each cell ends in. Nothing is recorded. The "
         "request is that of a basin; by default it has 128 x 128 cells and k = 127, which shows the basin of k = 1499 "
         f"but for fine chaos. At most {MOST_CELLS} cells, and {MOST_APPLICATIONS} cells times iterations. The header "
-        "Server-Timing has the milliseconds that it took, `wall`, and those that it had of a processor, `cpu`: how much "
-        "longer the first is says how busy the machine is."
+        "Server-Timing has the milliseconds that it took, `wall`, and those that it had of a processor, `cpu`: the "
+        "longer the first beside the second, the busier the machine."
     ),
     responses=problems(
         s400="malformed JSON",

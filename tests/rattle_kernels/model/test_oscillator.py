@@ -4,15 +4,19 @@ import math
 import re
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from rattle_kernels import (
     Oscillator,
     OutsideDomain,
     check_domain,
     check_quiet,
+    damping_bound_quiet,
     eccentricity_bound_convexity,
     eccentricity_bound_quiet,
     eccentricity_bound_smooth_maxima,
+    stiffness_gap_quiet,
 )
 
 
@@ -133,3 +137,42 @@ def test_parameters_of_harmonics_are_named_by_order():
     assert oscillator.at(phase_3=0.25, damping=0.7).value_of("phase_3") == 0.25
     with pytest.raises(ValueError, match="phase_3, not 'phase_4'"):
         oscillator.value_of("phase_4")
+
+
+@given(
+    damping=st.floats(1e-3, 20.0), eccentricity=st.floats(1e-6, 1.9), stiffness=st.floats(1e-2, 1e8),
+    near=st.sampled_from([0.3, 1.0 - 1e-9, 1.0 + 1e-9, 3.0]),
+)  # fmt: skip
+def test_the_bounds_of_the_quiet_solution_are_one_in_three_parameters(damping, eccentricity, stiffness, near):
+    here = Oscillator(damping, eccentricity, stiffness=stiffness)
+    for bound, name in ((damping_bound_quiet(here), "damping"), *_edges(here)):
+        # What is left of the paper's formula for the eccentricity, once it is solved for another parameter.
+        if 0.0 < bound < 1e100:
+            assert eccentricity_bound_quiet(here._replace(**{name: bound})) == pytest.approx(eccentricity, rel=1e-9)
+    bound = damping_bound_quiet(here)
+    if 0.0 < near * bound < math.inf:
+        assert (eccentricity < eccentricity_bound_quiet(here._replace(damping=near * bound))) == (near > 1.0)
+    gap = stiffness_gap_quiet(here) or (math.inf, -math.inf)
+    if all(not 1.0 - 1e-9 < stiffness / edge < 1.0 + 1e-9 for edge in gap):
+        assert (eccentricity < eccentricity_bound_quiet(here)) != (gap[0] < stiffness < gap[1])
+
+
+def _edges(oscillator):
+    gap = stiffness_gap_quiet(oscillator)
+    return [(edge, "stiffness") for edge in gap or ()]
+
+
+@pytest.mark.parametrize("size", [1e-300, 1e-200, 1e-150, 1e150, 1e200, 1e299])
+@pytest.mark.parametrize("name", ["damping", "eccentricity", "stiffness"])
+def test_no_size_of_a_parameter_leaves_a_bound_without_a_number(name, size):
+    extreme = Oscillator(stiffness=100.0)._replace(**{name: size})
+    assert damping_bound_quiet(extreme) >= 0.0
+    low, high = stiffness_gap_quiet(extreme) or (0.0, math.inf)
+    assert 0.0 <= low <= high
+
+
+def test_a_bound_that_is_no_formula_is_not_given():
+    for bound in (damping_bound_quiet, stiffness_gap_quiet):
+        for fields in ({"harmonics": ((2, 0.01, 0.25),)}, {"contact_damping": 0.1}):
+            with pytest.raises(ValueError, match="search for the bound"):
+                bound(Oscillator(stiffness=100.0, **fields))

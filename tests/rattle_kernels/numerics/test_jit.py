@@ -145,3 +145,11 @@ def test_a_kernel_has_the_same_machine_code_whatever_was_compiled_before_it(tmp_
     after = _compile(tmp_path / "after", "tables", "lanes", "newton")
     assert len(after.splitlines()) > 1000
     assert after == _compile(tmp_path / "alone", "newton")
+
+
+def test_arguments_are_put_into_the_form_of_kernels_by_the_call_alone():
+    # A second time fails where there are more than two harmonics, for which kernels are compiled in slow tests alone.
+    of_the_call = {"model/oscillator.py", "numerics/jit.py"}
+    package = Path(rattle_kernels.__file__).parent
+    asking = {str(path.relative_to(package)) for path in package.rglob("*.py") if ".in_kernels" in path.read_text()}
+    assert asking <= of_the_call
