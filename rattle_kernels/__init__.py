@@ -84,7 +84,15 @@ from rattle_kernels.orbits.bifurcation_curve import SpecialCurve, continue_speci
 from rattle_kernels.orbits.bifurcation_diagram import BifurcationDiagram, bifurcation_diagram
 from rattle_kernels.orbits.bifurcation_point import SpecialPoint
 from rattle_kernels.orbits.branch import Branch, BranchEnd
+from rattle_kernels.orbits.codimension_two import CodimensionTwo, CodimensionTwoPoint, codimension_two_points
 from rattle_kernels.orbits.continuation import continue_orbit
+from rattle_kernels.orbits.graze_kind import (
+    AttractorBeyond,
+    GrazeKind,
+    GrazeScenario,
+    attractor_beyond,
+    graze_kind,
+)
 from rattle_kernels.orbits.orbit_beyond_graze import orbit_beyond_graze
 from rattle_kernels.orbits.orbit_equations import SpecialKind
 from rattle_kernels.orbits.orbit_search import FoundOrbit, find_orbit, find_orbits
@@ -97,8 +105,13 @@ from rattle_kernels.orbits.single_contact_orbit import (
 from rattle_kernels.warm_up import warm_up, warm_up_analyses, warm_up_curves
 
 __all__ = [
+    "NOT_CONVERGED",
+    "PERMANENT_CONTACT",
+    "SINK",
+    "UNASSIGNED",
     "AngleUnit",
     "Attractor",
+    "AttractorBeyond",
     "AttractorKind",
     "Basin",
     "BasinEntropy",
@@ -109,6 +122,8 @@ __all__ = [
     "CellGrid",
     "CellGroups",
     "CellImages",
+    "CodimensionTwo",
+    "CodimensionTwoPoint",
     "Contacts",
     "CurveResolution",
     "Direction",
@@ -117,6 +132,8 @@ __all__ = [
     "FirstCurve",
     "Forcing",
     "FoundOrbit",
+    "GrazeKind",
+    "GrazeScenario",
     "Harmonic",
     "Impacts",
     "LargestDisc",
@@ -129,11 +146,9 @@ __all__ = [
     "Oscillator",
     "Outcome",
     "OutsideDomain",
-    "PERMANENT_CONTACT",
     "PeriodicOrbit",
     "Piece",
     "PulseDepartures",
-    "SINK",
     "Shares",
     "SingleContactOrbit",
     "SpecialCurve",
@@ -143,11 +158,10 @@ __all__ = [
     "TimeHistory",
     "TooManyPoints",
     "TransmissionError",
-    "UNASSIGNED",
-    "NOT_CONVERGED",
     "UncertaintyExponent",
     "UnusableCurve",
     "arclength",
+    "attractor_beyond",
     "attractor_distance",
     "basin",
     "basin_entropy",
@@ -161,6 +175,7 @@ __all__ = [
     "check_invertible",
     "check_oscillator",
     "check_quiet",
+    "codimension_two_points",
     "continue_attractor",
     "continue_orbit",
     "continue_special_point",
@@ -179,6 +194,7 @@ __all__ = [
     "find_orbits",
     "find_saddle",
     "global_integrity_measure",
+    "graze_kind",
     "grazing_preimages",
     "grazing_velocity",
     "integrity_factor",

@@ -140,8 +140,20 @@ def _one_way(plane: _Plane, start: np.ndarray, way: float) -> tuple[list[np.ndar
     return points, _stall(plane, points[-1])
 
 
-def _smooth_side(point: SpecialPoint, shape: OrbitShape) -> tuple[int, ...] | None:
-    """How often -beta must be met on each way, if the map is not smooth across a graze."""
+def smooth_side(point: SpecialPoint, shape: OrbitShape) -> tuple[int, ...] | None:
+    """How often -beta must be met on each way, if the map is not smooth across a graze.
+
+    Parameters
+    ----------
+    point : SpecialPoint
+    shape : OrbitShape
+        Of the equations that are continued from it.
+
+    Returns
+    -------
+    tuple of int or None
+        None with finite stiffness.
+    """
     if not math.isinf(point.oscillator.stiffness):
         return None
     closed = closure(point.oscillator, point.parameter, shape, float(point.t[0]), float(point.v[0]))
@@ -194,7 +206,7 @@ def continue_special_point(
         there, residual = (point.t[:1], point.v[:1]), np.array([point.residual])
         return SpecialCurve(point.kind, (point.parameter, second), values, *there, residual, (_NOT_FOLLOWED,) * 2)
     shape = OrbitShape(point.forcing_periods, point.upper_contacts, int(point.kind == SpecialKind.GRAZING))
-    lower = _smooth_side(point, shape) if space.with_speed else None
+    lower = smooth_side(point, shape) if space.with_speed else None
     system = special_system(point.kind, space, shape, lower)
     plane = _Plane(system, space, shape, np.array([bounds, second_bounds]), steps, most_points, pause)
     start = space.write(point.oscillator, float(point.t[0]), float(point.v[0]))

@@ -1,11 +1,11 @@
 """The orbit on the other side of a graze (impacting model): one flight meets -beta instead of missing it.
 
 Seen from +beta, the orbits that meet the wall begin at a graze with an infinite DP, where Newton's method fails. Seen
-from the touch they begin smoothly. Let the contact be at phase t with speed u. The flight up from there, then n+ - 1
+from the touch they begin smoothly. Let -beta be met at phase t with speed u. The flight up from there, then n+ - 1
 applications of P, lead to the departure before the next contact. The flight backwards in time from that contact leads
 to the same departure:
 
-    (departure reached forwards from (t, u)) = (departure reached backwards from (t + m, u)).
+    (departure reached forwards from (t, r u)) = (departure reached backwards from (t + m, u)).
 
 These are two equations in (t, u, p), smooth through u = 0, where the graze is. Solved at a small given u, they give the
 other orbit and the side of the graze on which it exists. If the orbit that misses is on the opposite side, a motion
@@ -32,9 +32,9 @@ from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit, find_periodic_or
 @kernel
 def _meeting(oscillator, shape, t, u):
     """Gap in time and speed between the forward and the backward departure, then the backward one."""
-    up = next_contact(oscillator, LOWER, t, u, 1.0)
+    up = next_contact(oscillator, LOWER, t, oscillator.restitution * u, 1.0)
     back = next_contact(oscillator, LOWER, t, -u, -1.0)
-    here, speed, elapsed = up.phase, up.velocity, up.duration
+    here, speed, elapsed = up.phase, oscillator.restitution * up.velocity, up.duration
     for _ in range(shape.upper_contacts - 1):
         impact = next_impact(oscillator, here, speed)
         if impact.outcome != OUTCOME_RETURNED:

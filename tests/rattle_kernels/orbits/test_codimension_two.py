@@ -1,0 +1,133 @@
+"""Points of codimension two: against numbers found elsewhere and closed formulas of P(1,1,0)."""
+
+import math
+
+import numpy as np
+import pytest
+
+from rattle_kernels import (
+    CodimensionTwo,
+    Oscillator,
+    SpecialKind,
+    codimension_two_points,
+    continue_orbit,
+    continue_special_point,
+    find_orbits,
+    grazing_velocity,
+)
+from tests.rattle_kernels.orbits.test_graze_kind import BETWEEN, graze_of_single_contact
+
+WIDE = (0.3, 1.2), (0.05, 0.15)
+
+
+@pytest.fixture(scope="module")
+def of_single_contact():
+    point = graze_of_single_contact(BETWEEN)
+    return codimension_two_points(point, continue_special_point(point, "eccentricity", *WIDE))
+
+
+@pytest.fixture(scope="module")
+def of_double_contact():
+    oscillator = Oscillator(0.56)
+    (orbit,) = (each.orbit for each in find_orbits(oscillator, longest=2) if each.orbit.name == "P(2,2,1)")
+    points = continue_orbit(oscillator, orbit, "damping", (0.5, 0.6)).special_points
+    (graze,) = (each for each in points if each.kind == SpecialKind.GRAZING)
+    return codimension_two_points(graze, continue_special_point(graze, "eccentricity", *WIDE))
+
+
+def only(points, kind, order=1, turns=0):
+    (point,) = (each for each in points if (each.kind, each.order, each.turns) == (kind, order, turns))
+    return point
+
+
+def test_where_the_saddle_node_of_p_1_1_0_grazes(of_single_contact):
+    point = only(of_single_contact, CodimensionTwo.SADDLE_NODE_GRAZE)
+    assert point.values == pytest.approx((0.770147130934, 0.097890812717), abs=1e-12)
+    damping, eccentricity = point.values
+    # Without losses a contact at phase 3/4 reverses the speed 2 pi delta.
+    assert eccentricity == pytest.approx(damping / math.tanh(damping / 2.0) - 2.0, abs=1e-12)
+    assert point.t[0] == pytest.approx(0.75, abs=1e-10)
+    assert point.v[0] == pytest.approx(2.0 * math.pi * damping, abs=1e-10)
+    assert sorted(point.multipliers.real) == pytest.approx([math.exp(-damping), 1.0], abs=1e-9)
+
+
+GRAZING_AT = {1.0: BETWEEN, 0.9: Oscillator(0.3, 0.0477, 0.3, restitution=0.9)}
+
+
+def stretch(damping, time):
+    return -math.expm1(-damping * time) / damping
+
+
+@pytest.mark.parametrize("restitution", GRAZING_AT)
+def test_a_neutral_graze_of_p_1_1_0_has_the_acceleration_of_its_formula(restitution):
+    point = graze_of_single_contact(GRAZING_AT[restitution])
+    curve = continue_special_point(point, "eccentricity", (0.2, 3.0), (0.001, 1.0))
+    found = only(codimension_two_points(point, curve), CodimensionTwo.NEUTRAL_GRAZE)
+    damping, t, v = found.values[0], float(found.t[0]), float(found.v[0])
+    if restitution == 1.0:
+        assert found.values == pytest.approx((0.7601647632, 0.0957060530), abs=1e-10)
+    touch = _time_to_touch(found.oscillator, t)
+    down, up, whole = stretch(damping, touch), stretch(damping, 1.0 - touch), stretch(damping, 1.0)
+    arriving = v / restitution
+    # a = r u E/((1 + r) E_1 E_2), from N_12 = 0 with the matrix of an impact.
+    wanted = restitution * arriving * whole / ((1.0 + restitution) * down * up)
+    angle = 2.0 * math.pi * t
+    forcing = 2.0 * math.pi * math.cos(angle) + damping * math.sin(angle)
+    at_rest = 4.0 * math.pi * damping - 2.0 * math.pi * found.values[1] * forcing
+    assert at_rest == pytest.approx(wanted, rel=1e-9)
+
+
+def _time_to_touch(oscillator, t):
+    """Time from a departure on the grazing curve to the touch, by halving: the velocity there is 0."""
+    damping, eccentricity = oscillator.damping, oscillator.eccentricity
+    v = float(grazing_velocity(oscillator, t))
+
+    def rate(time):
+        # Phi' of the solution of Eq. (6), less the mean rate.
+        def forced(phase):
+            return 4.0 * math.pi - 2.0 * math.pi * eccentricity * math.sin(2.0 * math.pi * phase)
+
+        return forced(t + time) + (-v - forced(t)) * math.exp(-damping * time)
+
+    low, high = 0.0, 0.9
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if rate(middle) < 0.0 else (low, middle)
+    return low
+
+
+@pytest.mark.parametrize(
+    ("order", "turns", "damping", "eccentricity"),
+    [
+        (2, 1, 0.57848194, 0.09005546),
+        (5, 2, 0.54712553, 0.09694070),
+        (3, 1, 0.52988717, 0.10222950),
+        (4, 1, 0.51269731, 0.10875625),
+    ],
+)
+def test_resonances_of_the_graze_of_p_2_2_1(of_double_contact, order, turns, damping, eccentricity):
+    point = only(of_double_contact, CodimensionTwo.RESONANT_GRAZE, order, turns)
+    assert point.values == pytest.approx((damping, eccentricity), abs=6e-9)
+    assert abs(np.angle(point.multipliers[0])) == pytest.approx(math.pi * turns / order, abs=1e-9)
+    assert point.v[0] == pytest.approx(float(grazing_velocity(point.oscillator, point.t[0])), abs=1e-10)
+
+
+def test_the_curve_of_p_2_2_1_ends_where_p_1_1_0_turns_over(of_single_contact, of_double_contact):
+    end, same = (only(each, CodimensionTwo.NEUTRAL_GRAZE) for each in (of_double_contact, of_single_contact))
+    assert end.values == pytest.approx(same.values, abs=1e-10)
+    assert end.upper_contacts == 1, "two turns of P(1,1,0) have become one"
+
+
+def test_where_it_doubles_and_grazes_a_multiplier_is_minus_one(of_double_contact):
+    point = only(of_double_contact, CodimensionTwo.DOUBLING_GRAZE)
+    assert point.multipliers.real.min() == pytest.approx(-1.0, abs=1e-9)
+
+
+def test_doublings_of_p_2_2_1_are_of_one_kind_and_lead_to_orbits_that_attract():
+    """The cubic coefficient is positive all along, so that nothing is said of its sign."""
+    oscillator = Oscillator(0.56)
+    (orbit,) = (each.orbit for each in find_orbits(oscillator, longest=2) if each.orbit.name == "P(2,2,1)")
+    points = continue_orbit(oscillator, orbit, "damping", (0.5, 0.6)).special_points
+    (doubling,) = (each for each in points if each.kind == SpecialKind.PERIOD_DOUBLING)
+    curve = continue_special_point(doubling, "eccentricity", (0.5, 0.65), (0.09, 0.13))
+    assert codimension_two_points(doubling, curve) == ()

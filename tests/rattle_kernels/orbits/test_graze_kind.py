@@ -1,0 +1,170 @@
+"""What a graze does: by an ODE integrator, by the orbit on its other side, by following motions."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from rattle_kernels import (
+    BranchEnd,
+    GrazeScenario,
+    Oscillator,
+    SpecialKind,
+    attractor_beyond,
+    continue_orbit,
+    find_orbits,
+    graze_kind,
+    next_impacts,
+    orbit_beyond_graze,
+    single_contact_orbits,
+)
+from rattle_kernels.orbits.bifurcation_point import point_near
+from rattle_kernels.orbits.closure import OrbitShape, closure
+
+# On the curve of grazes of P(1,1,0), between its two points of codimension two.
+BETWEEN = Oscillator(damping=0.764662, eccentricity=0.096608)
+
+
+def graze_of_single_contact(oscillator, which=0):
+    """Graze of P(1,1,0), or of the other one, near an oscillator, in the damping."""
+    orbit = single_contact_orbits(oscillator)[which]
+    point = point_near(SpecialKind.GRAZING, oscillator, "damping", OrbitShape(1, 1, 1), orbit.t, orbit.v)
+    assert point is not None
+    return point
+
+
+def turn_by_an_integrator(point, phase):
+    """N of an orbit with one contact a turn, by differences of an ODE integrator's states at the touch."""
+    damping, eccentricity, half_backlash = point.oscillator[:3]
+    restitution = point.oscillator.restitution
+
+    def acceleration(t, rate):
+        angle = 2 * math.pi * t
+        forcing = 2 * math.pi * math.cos(angle) + damping * math.sin(angle)
+        return 4 * math.pi * damping - 2 * math.pi * eccentricity * forcing - damping * rate
+
+    def meets(_, state):
+        return state[0] - 2 * half_backlash
+
+    meets.terminal, meets.direction = True, 1.0
+    options = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-14}
+
+    def after_a_turn(height, rate):
+        # Heights are above -beta. The touch is a minimum, which the integrator passes.
+        here, end, state = phase, phase + 1.0, [height, rate]
+        while here < end:
+            ran = solve_ivp(lambda t, y: [y[1], acceleration(t, y[1])], (here, end), state, events=meets, **options)
+            here, state = float(ran.t[-1]), ran.y[:, -1].tolist()
+            if ran.status == 1:
+                state = [2 * half_backlash, -restitution * state[1]]
+        return np.array(state)
+
+    step = 1e-4
+    return np.column_stack(
+        [(after_a_turn(*(step * one)) - after_a_turn(*(-step * one))) / (2 * step) for one in np.eye(2)]
+    )
+
+
+@pytest.mark.parametrize(
+    "oscillator", [BETWEEN, Oscillator(0.3, 0.0543, 0.3, restitution=0.9), Oscillator(0.65, 0.13, half_backlash=0.5)]
+)
+def test_the_turn_at_the_touch_is_that_of_an_integrator(oscillator):
+    point = graze_of_single_contact(oscillator)
+    kind = graze_kind(point)
+    # Differences err by the third derivative times the square of the step, some 1e-6, and by rounding over the step.
+    np.testing.assert_allclose(kind.monodromy, turn_by_an_integrator(point, kind.phase), atol=1e-6)
+    assert np.linalg.det(kind.monodromy) == pytest.approx(math.exp(-point.value) * oscillator.restitution**2, rel=1e-12)
+
+
+def test_the_turn_has_the_multipliers_of_the_orbit_that_misses():
+    point = graze_of_single_contact(BETWEEN)
+    assert sorted(graze_kind(point).multipliers.real) == pytest.approx(sorted(point.multipliers.real), abs=1e-12)
+
+
+GRAZING = [
+    Oscillator(0.575),
+    Oscillator(0.32, 0.0543, 0.3, restitution=0.9),
+    Oscillator(0.6, 0.08, harmonics=((2, 0.01, 0.3),)),
+    pytest.param(Oscillator(0.45, 0.1, half_backlash=0.4), marks=pytest.mark.slow),
+]
+
+
+@pytest.mark.parametrize("oscillator", GRAZING)
+def test_the_orbit_that_hits_lies_where_it_is_said_to(oscillator):
+    scenarios = set()
+    for found in find_orbits(oscillator, longest=2, cells=16):
+        branch = continue_orbit(oscillator, found.orbit, "damping", (0.2, 0.9))
+        for point in branch.special_points:
+            if point.kind != SpecialKind.GRAZING or point.oscillator.is_loose:
+                continue
+            kind, other = graze_kind(point), orbit_beyond_graze(point, 1e-4)
+            assert other is not None and (other[0].damping > point.value) == (kind.hits > 0)
+            assert other[1].lower_contacts == point.lower_contacts + 1
+            nearest = branch.values[np.argmin(np.abs(branch.values - point.value))]
+            followed = found.orbit.lower_contacts == point.lower_contacts
+            assert (nearest > point.value) == ((kind.misses if followed else kind.hits) > 0)
+            scenarios.add(kind.scenario)
+    assert scenarios
+
+
+def test_papers_grazes_are_a_fold_and_a_change_of_name():
+    (double,) = (each.orbit for each in find_orbits(Oscillator(0.585), longest=4) if each.orbit.name == "P(4,4,2)")
+    (point,) = (
+        end for end in continue_orbit(Oscillator(0.585), double, "damping", (0.583, 0.6)).special_points
+        if end.kind == SpecialKind.GRAZING
+    )  # fmt: skip
+    kind = graze_kind(point)
+    assert kind.scenario == GrazeScenario.FOLDS and kind.misses == kind.hits == -1
+    (single,) = (each.orbit for each in find_orbits(Oscillator(0.575), longest=2) if each.orbit.name == "P(2,2,1)")
+    branch = continue_orbit(Oscillator(0.575), single, "damping", (0.5, 0.58))
+    assert branch.ends[0].reason == BranchEnd.GRAZING
+    (point,) = (each for each in branch.special_points if each.kind == SpecialKind.GRAZING)
+    kind = graze_kind(point)
+    assert kind.scenario == GrazeScenario.PERSISTS and kind.misses == 1 and kind.hits == -1
+    assert attractor_beyond(kind, 1e-6) is None, "multipliers are complex: a later turn hits deeper"
+
+
+def exponent_of_the_map(oscillator, t, v, applications):
+    """Largest exponent per application, and impacts with -beta per application."""
+    along, grown, lower = np.array([1.0, 0.3]), 0.0, 0
+    for n in range(applications + 1000):
+        closed = closure(oscillator, "damping", OrbitShape(1, 1), t, v)
+        along = closed.jacobian @ along
+        length = np.linalg.norm(along)
+        along /= length
+        landed = next_impacts(oscillator, t, v)
+        t, v = float(landed.t), float(landed.v)
+        if n >= 1000:
+            grown, lower = grown + math.log(length), lower + int(landed.lower_impacts)
+    return grown / applications, lower / applications
+
+
+@pytest.mark.parametrize("distance", [3e-6, 3e-5])
+def test_chaos_begins_at_once_as_the_leading_terms_say(distance):
+    """Multipliers 0.90 and 0.52: no windows of periodic motion follow the graze (Nordmark)."""
+    point = graze_of_single_contact(BETWEEN)
+    kind = graze_kind(point)
+    assert kind.scenario == GrazeScenario.PERSISTS and kind.misses == 1
+    there = attractor_beyond(kind, distance)
+    beyond = point.oscillator.at(damping=point.value - distance)
+    exponent, impacts = exponent_of_the_map(beyond, float(point.t[0]), float(point.v[0]), 20_000)
+    # Terms of the size of the push are left out: relative to the turn's own size, 20 times the root of the depth.
+    left_out = 20.0 * math.sqrt(kind.rate * distance)
+    assert exponent > 0.0
+    assert there.exponent == pytest.approx(exponent, rel=left_out)
+    assert there.impacts == pytest.approx(impacts, rel=left_out)
+
+
+def test_its_size_grows_like_the_root_of_the_distance():
+    kind = graze_kind(graze_of_single_contact(BETWEEN))
+    small, large = attractor_beyond(kind, 1e-8), attractor_beyond(kind, 1e-6)
+    # Up to the powers of the multipliers between two impacts, which are whole numbers of turns.
+    assert 5.0 < large.size / small.size < 20.0
+
+
+def test_a_graze_beyond_eq_8_has_no_flight_that_passes_and_other_points_are_refused():
+    point = graze_of_single_contact(BETWEEN)
+    assert graze_kind(point._replace(oscillator=point.oscillator._replace(eccentricity=0.9, restitution=0.8))) is None
+    with pytest.raises(ValueError, match="must be a graze of -beta"):
+        graze_kind(point._replace(kind=SpecialKind.SADDLE_NODE))
