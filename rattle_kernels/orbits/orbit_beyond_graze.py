@@ -10,22 +10,37 @@ to the same departure:
 These are two equations in (t, u, p), smooth through u = 0, where the graze is. Solved at a small given u, they give the
 other orbit and the side of the graze on which it exists. If the orbit that misses is on the opposite side, a motion
 merely changes its name. If it is on the same side, the two meet and vanish (a nonsmooth fold).
+
+Where a graze is neutral or resonant of order p (`codimension_two`), the orbit of p turns that hits in one of them folds
+as well: a curve of its saddle-nodes leaves that point, tangent to the curve of grazes (Simpson and Ghosh, arXiv
+2602.22797). Along it the condition, in (t, u) and two parameters, is
+
+    u (trace of DP^(p n+) - 1 - its determinant) = 0,
+
+smooth through u = 0: the trace grows like 1/u. The other turns pass -beta as if it were not there, and the curve is of
+orbits that exist where they do miss it.
 """
+
+from collections.abc import Callable
 
 import numpy as np
 
-from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.impact_map.flights import LOWER, next_contact
+from rattle_kernels.impact_map.sensitivity import next_impact_with_sensitivity
 from rattle_kernels.model.domain import check_impacting
 from rattle_kernels.model.flight import fall_speed
 from rattle_kernels.model.grazing_curve import LEAVING, grazing_flight
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import kernel
-from rattle_kernels.numerics.pseudo_arclength import solve
+from rattle_kernels.numerics.pausing import Pause, never_stopped
+from rattle_kernels.numerics.phase import wrap_all
+from rattle_kernels.numerics.pseudo_arclength import Steps, follow_curve, solve
+from rattle_kernels.orbits.bifurcation_curve import SpecialCurve
 from rattle_kernels.orbits.bifurcation_point import SpecialPoint
-from rattle_kernels.orbits.closure import OrbitShape
-from rattle_kernels.orbits.orbit_equations import SpecialKind, unknowns, with_differences
+from rattle_kernels.orbits.closure import OrbitShape, closure, departures_from, grazing_speed_at, stability_gap
+from rattle_kernels.orbits.codimension_two import CodimensionTwo, CodimensionTwoPoint
+from rattle_kernels.orbits.orbit_equations import SpecialKind, Unknowns, unknowns, with_differences
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit, find_periodic_orbit
 
 
@@ -35,8 +50,9 @@ def _meeting(oscillator, shape, t, u):
     up = next_contact(oscillator, LOWER, t, oscillator.restitution * u, 1.0)
     back = next_contact(oscillator, LOWER, t, -u, -1.0)
     here, speed, elapsed = up.phase, oscillator.restitution * up.velocity, up.duration
-    for _ in range(shape.upper_contacts - 1):
-        impact = next_impact(oscillator, here, speed)
+    for i in range(1, shape.upper_contacts):
+        over = (shape.over >> i) & 1 == 1
+        impact, _, _ = next_impact_with_sensitivity(oscillator, 0, here, speed, over)
         if impact.outcome != OUTCOME_RETURNED:
             return np.nan, np.nan, np.nan, np.nan
         here, speed = impact.t, impact.v
@@ -95,3 +111,110 @@ def orbit_beyond_graze(point: SpecialPoint, lower_speed: float = 0.01) -> tuple[
     _, _, t, v = _meeting(read[0], shape, read[1], read[2])
     orbit = find_periodic_orbit(read[0], t, v, shape.upper_contacts, scale)
     return None if orbit is None or orbit.lower_contacts != point.lower_contacts + 1 else (read[0], orbit)
+
+
+# Speeds at -beta, relative to a fall through the backlash, from which a curve of saddle-nodes begins.
+_GENTLE = (1e-3, 3e-4, 3e-3)
+
+
+def saddle_nodes_beside(
+    point: CodimensionTwoPoint,
+    bounds: tuple[float, float],
+    second_bounds: tuple[float, float],
+    most_points: int = 1000,
+    steps: Steps = Steps(),  # noqa: B008 (immutable)
+    pause: Pause = never_stopped,
+) -> SpecialCurve | None:
+    """Curve of the saddle-nodes that leaves a neutral or a resonant graze (impacting model).
+
+    Parameters
+    ----------
+    point : CodimensionTwoPoint
+    bounds, second_bounds : (float, float)
+        Values of the two parameters at which to stop.
+    most_points : int
+    steps : Steps
+        Step sizes in scaled unknowns, as for `continue_orbit`.
+    pause : callable
+        Called at every point. To stop the work, raise an exception there.
+
+    Returns
+    -------
+    SpecialCurve or None
+        From the point on, of an orbit of so many turns as the order is, one of which hits. It ends where another of
+        its turns hits, too. None where the orbits beside the graze are not admissible: where N_12 is negative, the turn
+        after an impact hits again.
+
+    Raises
+    ------
+    OutsideDomain
+        If the stiffness is finite.
+    ValueError
+        If the point is neither neutral nor resonant.
+    """
+    if point.kind not in (CodimensionTwo.NEUTRAL_GRAZE, CodimensionTwo.RESONANT_GRAZE):
+        raise ValueError(f"the point must be a neutral or a resonant graze, not a {point.kind}")
+    oscillator, turns, contacts = check_impacting(point.oscillator), point.order, point.upper_contacts
+    others = sum(1 << (turn * contacts) for turn in range(1, turns))
+    shape = OrbitShape(turns * point.forcing_periods, turns * contacts, others)
+    space = unknowns(oscillator, point.parameters)
+    scale = float(space.scales[1])
+
+    def equations(z: np.ndarray) -> np.ndarray | None:
+        read = space.read(z)
+        if read is None or read[0].is_loose or not read[2] > 0.0:
+            return None
+        time, faster, t, v = _meeting(read[0], shape, read[1], read[2])
+        closed = closure(read[0], point.parameters[0], shape, t, v) if np.isfinite(time) else None
+        if closed is None:
+            return None
+        return np.array([time, faster / scale, z[1] * stability_gap(read[0], shape, closed.jacobian, 1.0)])
+
+    system = with_differences(equations, space)
+    begin = space.write(oscillator, _touch_phase(oscillator, float(point.t[0])), 0.0)
+    landed = [solve(system, begin + gentle * np.eye(4)[1], np.eye(4)[1]) for gentle in _GENTLE]
+    first = next((each for each in landed if each is not None), None)
+    if first is None or not _admissible(space, shape, first.z):
+        return None
+    points, why = [first.z], "no step succeeds"
+    box = np.array([bounds, second_bounds]) / space.scales[2:, None]
+    for each in follow_curve(system, first.z, first.z - begin, steps):
+        pause()
+        if not _admissible(space, shape, each.z):
+            why = "another turn of the orbit hits -beta"
+            break
+        points.append(each.z)
+        if not ((box[:, 0] <= each.z[2:]) & (each.z[2:] <= box[:, 1])).all():
+            why = "a bound"
+            break
+        if len(points) >= most_points:
+            why = "as many points as were asked for"
+            break
+    return _curve(point, space, shape, begin, points, why, equations)
+
+
+def _admissible(space: Unknowns, shape: OrbitShape, z: np.ndarray) -> bool:
+    """Whether the flights that pass -beta as if it were not there do miss it."""
+    read = space.read(z)
+    assert read is not None
+    _, _, t, v = _meeting(read[0], shape, read[1], read[2])
+    orbit = departures_from(read[0], space.parameters[0], shape, t, v)
+    passing = [i for i in range(shape.upper_contacts) if (shape.over >> i) & 1]
+    return all(orbit.v[i] < grazing_speed_at(read[0], float(orbit.t[i])) for i in passing)
+
+
+def _curve(
+    point: CodimensionTwoPoint, space: Unknowns, shape: OrbitShape, begin: np.ndarray, points: list[np.ndarray],
+    why: str, equations: Callable[[np.ndarray], np.ndarray | None],
+) -> SpecialCurve:  # fmt: skip
+    departures, residual = [(float(point.t[0]), float(point.v[0]))], [point.residual]
+    for z in points:
+        read, value = space.read(z), equations(z)
+        assert read is not None and value is not None  # it was solved there
+        departures.append(_meeting(read[0], shape, read[1], read[2])[2:])
+        residual.append(float(np.abs(value).max()))
+    t, v = np.array(departures).T
+    values = np.array([begin, *points])[:, 2:] * space.scales[2:]
+    where = ", ".join(f"{name} = {value:.12g}" for name, value in zip(space.parameters, values[-1], strict=True))
+    ends = f"the {point.kind} that it leaves", f"{why}, at {where}"
+    return SpecialCurve(SpecialKind.SADDLE_NODE, point.parameters, values, wrap_all(t), v, np.array(residual), ends)

@@ -12,9 +12,13 @@ from rattle_kernels import (
     codimension_two_points,
     continue_orbit,
     continue_special_point,
+    find_orbit,
     find_orbits,
     grazing_velocity,
+    saddle_nodes_beside,
 )
+from rattle_kernels.orbits.bifurcation_point import point_near
+from rattle_kernels.orbits.closure import OrbitShape
 from tests.rattle_kernels.orbits.test_graze_kind import BETWEEN, graze_of_single_contact
 
 WIDE = (0.3, 1.2), (0.05, 0.15)
@@ -131,3 +135,59 @@ def test_doublings_of_p_2_2_1_are_of_one_kind_and_lead_to_orbits_that_attract():
     (doubling,) = (each for each in points if each.kind == SpecialKind.PERIOD_DOUBLING)
     curve = continue_special_point(doubling, "eccentricity", (0.5, 0.65), (0.09, 0.13))
     assert codimension_two_points(doubling, curve) == ()
+
+
+def graze_at(point, damping, eccentricity):
+    """Damping at which the orbit of a point of codimension two grazes, at another eccentricity."""
+    near = point.oscillator.at(damping=damping, eccentricity=eccentricity)
+    shape = OrbitShape(point.forcing_periods, point.upper_contacts, 1)
+    return point_near(SpecialKind.GRAZING, near, "damping", shape, float(point.t[0]), float(point.v[0])).value
+
+
+@pytest.mark.parametrize(("order", "coefficient"), [(2, 61.0), (3, 15.2)])
+def test_saddle_nodes_leave_a_resonance_quadratically_tangent_to_the_graze(of_double_contact, order, coefficient):
+    """Simpson and Ghosh (2026); the coefficients were fitted to saddle-nodes that were found by Newton's method."""
+    point = only(of_double_contact, CodimensionTwo.RESONANT_GRAZE, order, 1)
+    curve = saddle_nodes_beside(point, *WIDE)
+    assert curve.residual.max() < 1e-9
+    away = curve.values[1:6, 1] - point.values[1]
+    gaps = [graze_at(point, *values) - values[0] for values in curve.values[1:6]]
+    slope, limit = np.polyfit(away, gaps / away**2, 1)
+    # In the limit they are 59.7 and 15.1: those fits were taken at a distance, where the ratio changes by some percent.
+    assert limit == pytest.approx(coefficient, rel=0.03)
+    assert abs(slope * away[0]) < 0.05 * limit, "nearly quadratic all along"
+
+
+def test_the_curve_is_that_of_the_saddle_node_of_a_branch(of_double_contact):
+    """From +beta, where the branch of P(6,6,4) turns."""
+    point = only(of_double_contact, CodimensionTwo.RESONANT_GRAZE, 3, 1)
+    curve = saddle_nodes_beside(point, *WIDE)
+    (damping, eccentricity), t, v = curve.values[8], float(curve.t[8]), float(curve.v[8])
+    saddle_node = point_near(
+        SpecialKind.SADDLE_NODE, Oscillator(damping, eccentricity), "damping", OrbitShape(6, 6), t, v
+    )
+    assert saddle_node.orbit_name == "P(6,6,4)"
+    assert saddle_node.value == pytest.approx(damping, abs=1e-9)
+
+
+def test_the_orbits_that_meet_there_are_on_one_side(of_double_contact):
+    point = only(of_double_contact, CodimensionTwo.RESONANT_GRAZE, 3, 1)
+    curve = saddle_nodes_beside(point, *WIDE)
+    (damping, eccentricity), t, v = curve.values[8], curve.t[8], curve.v[8]
+    found = {}
+    for side in (-1, 1):
+        oscillator = Oscillator(damping + side * 1e-7, eccentricity)
+        orbits = [find_orbit(oscillator, t + shift, v, 6) for shift in np.linspace(-2e-4, 2e-4, 41)]
+        names = {each.orbit.name for each in orbits if each is not None and abs(each.orbit.t - t).min() < 5e-3}
+        found[side] = "P(6,6,4)" in names
+    assert found == {-1: True, 1: False} or found == {-1: False, 1: True}
+
+
+def test_where_a_turn_after_an_impact_hits_again_there_are_no_such_orbits(of_double_contact):
+    # Multipliers of the angle 2 pi 2/5: the third turn is thrown below -beta.
+    assert saddle_nodes_beside(only(of_double_contact, CodimensionTwo.RESONANT_GRAZE, 5, 2), *WIDE) is None
+
+
+def test_a_point_that_is_no_such_graze_is_refused(of_single_contact):
+    with pytest.raises(ValueError, match="neutral or a resonant graze"):
+        saddle_nodes_beside(only(of_single_contact, CodimensionTwo.SADDLE_NODE_GRAZE), *WIDE)
