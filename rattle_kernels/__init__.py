@@ -93,7 +93,7 @@ from rattle_kernels.orbits.graze_kind import (
     attractor_beyond,
     graze_kind,
 )
-from rattle_kernels.orbits.orbit_beyond_graze import orbit_beyond_graze, saddle_nodes_beside
+from rattle_kernels.orbits.orbit_beyond_graze import curve_beside_graze, orbit_beyond_graze
 from rattle_kernels.orbits.orbit_equations import SpecialKind
 from rattle_kernels.orbits.orbit_search import FoundOrbit, find_orbit, find_orbits
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit
@@ -179,6 +179,7 @@ __all__ = [
     "continue_attractor",
     "continue_orbit",
     "continue_special_point",
+    "curve_beside_graze",
     "damping_bound_quiet",
     "departures_after_pulses",
     "eccentric_gears",
@@ -210,7 +211,6 @@ __all__ = [
     "orbit_beyond_graze",
     "previous_impacts",
     "rest_velocity",
-    "saddle_nodes_beside",
     "settled_iterations",
     "shares_of",
     "single_contact_orbits",

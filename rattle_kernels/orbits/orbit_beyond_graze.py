@@ -12,16 +12,17 @@ other orbit and the side of the graze on which it exists. If the orbit that miss
 merely changes its name. If it is on the same side, the two meet and vanish (a nonsmooth fold).
 
 Where a graze is neutral or resonant of order p (`codimension_two`), the orbit of p turns that hits in one of them folds
-as well: a curve of its saddle-nodes leaves that point, tangent to the curve of grazes (Simpson and Ghosh, arXiv
-2602.22797). Along it the condition, in (t, u) and two parameters, is
+and doubles: curves of its saddle-nodes and doublings leave that point, quadratically tangent to the curve of grazes
+(Simpson and Ghosh, Resonant grazing bifurcations revisited, 2026). Along them the condition, in (t, u) and two
+parameters, is
 
-    u (trace of DP^(p n+) - 1 - its determinant) = 0,
+    u (trace of DP^(p n+) -+ (1 + its determinant)) = 0,
 
-smooth through u = 0: the trace grows like 1/u. The other turns pass -beta as if it were not there, and the curve is of
+smooth through u = 0: the trace grows like 1/u. The other turns pass -beta as if it were not there, and a curve is of
 orbits that exist where they do miss it.
 """
 
-from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -113,23 +114,62 @@ def orbit_beyond_graze(point: SpecialPoint, lower_speed: float = 0.01) -> tuple[
     return None if orbit is None or orbit.lower_contacts != point.lower_contacts + 1 else (read[0], orbit)
 
 
-# Speeds at -beta, relative to a fall through the backlash, from which a curve of saddle-nodes begins.
+# Speeds at -beta, relative to a fall through the backlash, at which a curve begins.
 _GENTLE = (1e-3, 3e-4, 3e-3)
+_MULTIPLIERS = {SpecialKind.SADDLE_NODE: 1.0, SpecialKind.PERIOD_DOUBLING: -1.0}
 
 
-def saddle_nodes_beside(
+class _Beside(NamedTuple):
+    """Orbits of several turns, one of which hits, in z = (t, u/scale, p/scale, q/scale)."""
+
+    multiplier: float
+    shape: OrbitShape
+    space: Unknowns
+
+    def before(self, z: np.ndarray) -> tuple[float, float]:
+        """The departure before the hit."""
+        read = self.space.read(z)
+        assert read is not None  # it was solved there
+        t, v = _meeting(read[0], self.shape, read[1], read[2])[2:]
+        return float(t), float(v)
+
+    def equations(self, z: np.ndarray) -> np.ndarray | None:
+        """The orbit closes, and one of its multipliers is +1 or -1."""
+        read = self.space.read(z)
+        if read is None or read[0].is_loose or not read[2] > 0.0:
+            return None
+        time, faster, t, v = _meeting(read[0], self.shape, read[1], read[2])
+        closed = closure(read[0], self.space.parameters[0], self.shape, t, v) if np.isfinite(time) else None
+        if closed is None:
+            return None
+        gap = stability_gap(read[0], self.shape, closed.jacobian, self.multiplier)
+        return np.array([time, faster / self.space.scales[1], z[1] * gap])
+
+    def is_admissible(self, z: np.ndarray) -> bool:
+        """Whether the flights that pass -beta as if it were not there do miss it."""
+        read = self.space.read(z)
+        assert read is not None  # it was solved there
+        orbit = departures_from(read[0], self.space.parameters[0], self.shape, *self.before(z))
+        passing = [i for i in range(self.shape.upper_contacts) if (self.shape.over >> i) & 1]
+        return all(orbit.v[i] < grazing_speed_at(read[0], float(orbit.t[i])) for i in passing)
+
+
+def curve_beside_graze(
     point: CodimensionTwoPoint,
+    kind: SpecialKind,
     bounds: tuple[float, float],
     second_bounds: tuple[float, float],
     most_points: int = 1000,
     steps: Steps = Steps(),  # noqa: B008 (immutable)
     pause: Pause = never_stopped,
 ) -> SpecialCurve | None:
-    """Curve of the saddle-nodes that leaves a neutral or a resonant graze (impacting model).
+    """Curve of saddle-nodes or doublings that leaves a neutral or a resonant graze (impacting model).
 
     Parameters
     ----------
     point : CodimensionTwoPoint
+    kind : SpecialKind
+        Saddle-node or period doubling.
     bounds, second_bounds : (float, float)
         Values of the two parameters at which to stop.
     most_points : int
@@ -142,79 +182,51 @@ def saddle_nodes_beside(
     -------
     SpecialCurve or None
         From the point on, of an orbit of so many turns as the order is, one of which hits. It ends where another of
-        its turns hits, too. None where the orbits beside the graze are not admissible: where N_12 is negative, the turn
-        after an impact hits again.
+        its turns hits, too. None where the orbits beside the graze are not admissible: where a later turn after an
+        impact is thrown below -beta, it hits again.
 
     Raises
     ------
     OutsideDomain
         If the stiffness is finite.
     ValueError
-        If the point is neither neutral nor resonant.
+        If the point is neither neutral nor resonant, or the kind is another.
     """
+    if kind not in _MULTIPLIERS:
+        raise ValueError(f"curves of saddle-nodes and period doublings leave a graze, none of the kind {kind}")
     if point.kind not in (CodimensionTwo.NEUTRAL_GRAZE, CodimensionTwo.RESONANT_GRAZE):
         raise ValueError(f"the point must be a neutral or a resonant graze, not a {point.kind}")
     oscillator, turns, contacts = check_impacting(point.oscillator), point.order, point.upper_contacts
     others = sum(1 << (turn * contacts) for turn in range(1, turns))
     shape = OrbitShape(turns * point.forcing_periods, turns * contacts, others)
     space = unknowns(oscillator, point.parameters)
-    scale = float(space.scales[1])
-
-    def equations(z: np.ndarray) -> np.ndarray | None:
-        read = space.read(z)
-        if read is None or read[0].is_loose or not read[2] > 0.0:
-            return None
-        time, faster, t, v = _meeting(read[0], shape, read[1], read[2])
-        closed = closure(read[0], point.parameters[0], shape, t, v) if np.isfinite(time) else None
-        if closed is None:
-            return None
-        return np.array([time, faster / scale, z[1] * stability_gap(read[0], shape, closed.jacobian, 1.0)])
-
-    system = with_differences(equations, space)
+    beside = _Beside(_MULTIPLIERS[kind], shape, space)
+    system = with_differences(beside.equations, space)
     begin = space.write(oscillator, _touch_phase(oscillator, float(point.t[0])), 0.0)
-    landed = [solve(system, begin + gentle * np.eye(4)[1], np.eye(4)[1]) for gentle in _GENTLE]
-    first = next((each for each in landed if each is not None), None)
-    if first is None or not _admissible(space, shape, first.z):
+    speed = np.eye(4)[1]
+    landed = (solve(system, begin + gentle * speed, speed) for gentle in _GENTLE)
+    first = next((each.z for each in landed if each is not None), None)
+    if first is None or not beside.is_admissible(first):
         return None
-    points, why = [first.z], "no step succeeds"
-    box = np.array([bounds, second_bounds]) / space.scales[2:, None]
-    for each in follow_curve(system, first.z, first.z - begin, steps):
+    low, high = np.array([bounds, second_bounds]).T / space.scales[2:]
+    points, why = [first], "no step succeeds"
+    for each in follow_curve(system, first, first - begin, steps):
         pause()
-        if not _admissible(space, shape, each.z):
+        if not beside.is_admissible(each.z):
             why = "another turn of the orbit hits -beta"
-            break
-        points.append(each.z)
-        if not ((box[:, 0] <= each.z[2:]) & (each.z[2:] <= box[:, 1])).all():
+        elif not ((low <= each.z[2:]) & (each.z[2:] <= high)).all():
             why = "a bound"
-            break
-        if len(points) >= most_points:
+        elif len(points) + 1 >= most_points:
             why = "as many points as were asked for"
-            break
-    return _curve(point, space, shape, begin, points, why, equations)
-
-
-def _admissible(space: Unknowns, shape: OrbitShape, z: np.ndarray) -> bool:
-    """Whether the flights that pass -beta as if it were not there do miss it."""
-    read = space.read(z)
-    assert read is not None
-    _, _, t, v = _meeting(read[0], shape, read[1], read[2])
-    orbit = departures_from(read[0], space.parameters[0], shape, t, v)
-    passing = [i for i in range(shape.upper_contacts) if (shape.over >> i) & 1]
-    return all(orbit.v[i] < grazing_speed_at(read[0], float(orbit.t[i])) for i in passing)
-
-
-def _curve(
-    point: CodimensionTwoPoint, space: Unknowns, shape: OrbitShape, begin: np.ndarray, points: list[np.ndarray],
-    why: str, equations: Callable[[np.ndarray], np.ndarray | None],
-) -> SpecialCurve:  # fmt: skip
-    departures, residual = [(float(point.t[0]), float(point.v[0]))], [point.residual]
-    for z in points:
-        read, value = space.read(z), equations(z)
-        assert read is not None and value is not None  # it was solved there
-        departures.append(_meeting(read[0], shape, read[1], read[2])[2:])
-        residual.append(float(np.abs(value).max()))
-    t, v = np.array(departures).T
+            points.append(each.z)
+        else:
+            points.append(each.z)
+            continue
+        break
     values = np.array([begin, *points])[:, 2:] * space.scales[2:]
+    t, v = np.array([(float(point.t[0]), float(point.v[0])), *map(beside.before, points)]).T
+    evaluated = [value for z in points if (value := beside.equations(z)) is not None]
+    residual = np.array([point.residual, *(float(np.abs(value).max()) for value in evaluated)])
     where = ", ".join(f"{name} = {value:.12g}" for name, value in zip(space.parameters, values[-1], strict=True))
     ends = f"the {point.kind} that it leaves", f"{why}, at {where}"
-    return SpecialCurve(SpecialKind.SADDLE_NODE, point.parameters, values, wrap_all(t), v, np.array(residual), ends)
+    return SpecialCurve(kind, point.parameters, values, wrap_all(t), v, residual, ends)

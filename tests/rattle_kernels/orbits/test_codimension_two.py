@@ -12,10 +12,10 @@ from rattle_kernels import (
     codimension_two_points,
     continue_orbit,
     continue_special_point,
+    curve_beside_graze,
     find_orbit,
     find_orbits,
     grazing_velocity,
-    saddle_nodes_beside,
 )
 from rattle_kernels.orbits.bifurcation_point import point_near
 from rattle_kernels.orbits.closure import OrbitShape
@@ -148,7 +148,7 @@ def graze_at(point, damping, eccentricity):
 def test_saddle_nodes_leave_a_resonance_quadratically_tangent_to_the_graze(of_double_contact, order, coefficient):
     """Simpson and Ghosh (2026); the coefficients were fitted to saddle-nodes that were found by Newton's method."""
     point = only(of_double_contact, CodimensionTwo.RESONANT_GRAZE, order, 1)
-    curve = saddle_nodes_beside(point, *WIDE)
+    curve = curve_beside_graze(point, SpecialKind.SADDLE_NODE, *WIDE)
     assert curve.residual.max() < 1e-9
     away = curve.values[1:6, 1] - point.values[1]
     gaps = [graze_at(point, *values) - values[0] for values in curve.values[1:6]]
@@ -158,21 +158,20 @@ def test_saddle_nodes_leave_a_resonance_quadratically_tangent_to_the_graze(of_do
     assert abs(slope * away[0]) < 0.05 * limit, "nearly quadratic all along"
 
 
-def test_the_curve_is_that_of_the_saddle_node_of_a_branch(of_double_contact):
-    """From +beta, where the branch of P(6,6,4) turns."""
+@pytest.mark.parametrize("kind", [SpecialKind.SADDLE_NODE, SpecialKind.PERIOD_DOUBLING])
+def test_curves_of_both_kinds_are_those_of_branches(of_double_contact, kind):
+    """From +beta, where the branch of P(6,6,4) turns or doubles."""
     point = only(of_double_contact, CodimensionTwo.RESONANT_GRAZE, 3, 1)
-    curve = saddle_nodes_beside(point, *WIDE)
+    curve = curve_beside_graze(point, kind, *WIDE)
     (damping, eccentricity), t, v = curve.values[8], float(curve.t[8]), float(curve.v[8])
-    saddle_node = point_near(
-        SpecialKind.SADDLE_NODE, Oscillator(damping, eccentricity), "damping", OrbitShape(6, 6), t, v
-    )
-    assert saddle_node.orbit_name == "P(6,6,4)"
-    assert saddle_node.value == pytest.approx(damping, abs=1e-9)
+    there = point_near(kind, Oscillator(damping, eccentricity), "damping", OrbitShape(6, 6), t, v)
+    assert there.orbit_name == "P(6,6,4)"
+    assert there.value == pytest.approx(damping, abs=1e-9)
 
 
 def test_the_orbits_that_meet_there_are_on_one_side(of_double_contact):
     point = only(of_double_contact, CodimensionTwo.RESONANT_GRAZE, 3, 1)
-    curve = saddle_nodes_beside(point, *WIDE)
+    curve = curve_beside_graze(point, SpecialKind.SADDLE_NODE, *WIDE)
     (damping, eccentricity), t, v = curve.values[8], curve.t[8], curve.v[8]
     found = {}
     for side in (-1, 1):
@@ -185,9 +184,15 @@ def test_the_orbits_that_meet_there_are_on_one_side(of_double_contact):
 
 def test_where_a_turn_after_an_impact_hits_again_there_are_no_such_orbits(of_double_contact):
     # Multipliers of the angle 2 pi 2/5: the third turn is thrown below -beta.
-    assert saddle_nodes_beside(only(of_double_contact, CodimensionTwo.RESONANT_GRAZE, 5, 2), *WIDE) is None
+    assert (
+        curve_beside_graze(only(of_double_contact, CodimensionTwo.RESONANT_GRAZE, 5, 2), SpecialKind.SADDLE_NODE, *WIDE)
+        is None
+    )
 
 
 def test_a_point_that_is_no_such_graze_is_refused(of_single_contact):
+    neutral = only(of_single_contact, CodimensionTwo.NEUTRAL_GRAZE)
+    with pytest.raises(ValueError, match="none of the kind grazing"):
+        curve_beside_graze(neutral, SpecialKind.GRAZING, *WIDE)
     with pytest.raises(ValueError, match="neutral or a resonant graze"):
-        saddle_nodes_beside(only(of_single_contact, CodimensionTwo.SADDLE_NODE_GRAZE), *WIDE)
+        curve_beside_graze(only(of_single_contact, CodimensionTwo.SADDLE_NODE_GRAZE), SpecialKind.SADDLE_NODE, *WIDE)
