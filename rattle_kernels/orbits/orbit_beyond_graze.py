@@ -13,8 +13,7 @@ merely changes its name. If it is on the same side, the two meet and vanish (a n
 
 Where a graze is neutral or resonant of order p (`codimension_two`), the orbit of p turns that hits in one of them folds
 and doubles: curves of its saddle-nodes and doublings leave that point, quadratically tangent to the curve of grazes
-(Simpson and Ghosh, Resonant grazing bifurcations revisited, 2026). Along them the condition, in (t, u) and two
-parameters, is
+(Simpson and Ghosh, 2026). Along them the condition, in (t, u) and two parameters, is
 
     u (trace of DP^(p n+) -+ (1 + its determinant)) = 0,
 

@@ -19,9 +19,7 @@ from rattle_kernels import (
 )
 from rattle_kernels.orbits.bifurcation_point import point_near
 from rattle_kernels.orbits.closure import OrbitShape
-from tests.rattle_kernels.orbits.test_graze_kind import BETWEEN, graze_of_single_contact
-
-WIDE = (0.3, 1.2), (0.05, 0.15)
+from tests.rattle_kernels.orbits.grazes import BETWEEN, WIDE, graze_at, graze_of_single_contact
 
 
 @pytest.fixture(scope="module")
@@ -135,13 +133,6 @@ def test_doublings_of_p_2_2_1_are_of_one_kind_and_lead_to_orbits_that_attract():
     (doubling,) = (each for each in points if each.kind == SpecialKind.PERIOD_DOUBLING)
     curve = continue_special_point(doubling, "eccentricity", (0.5, 0.65), (0.09, 0.13))
     assert codimension_two_points(doubling, curve) == ()
-
-
-def graze_at(point, damping, eccentricity):
-    """Damping at which the orbit of a point of codimension two grazes, at another eccentricity."""
-    near = point.oscillator.at(damping=damping, eccentricity=eccentricity)
-    shape = OrbitShape(point.forcing_periods, point.upper_contacts, 1)
-    return point_near(SpecialKind.GRAZING, near, "damping", shape, float(point.t[0]), float(point.v[0])).value
 
 
 @pytest.mark.parametrize(("order", "coefficient"), [(2, 61.0), (3, 15.2)])

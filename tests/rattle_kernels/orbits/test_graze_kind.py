@@ -15,23 +15,9 @@ from rattle_kernels import (
     continue_orbit,
     find_orbits,
     graze_kind,
-    next_impacts,
     orbit_beyond_graze,
-    single_contact_orbits,
 )
-from rattle_kernels.orbits.bifurcation_point import point_near
-from rattle_kernels.orbits.closure import OrbitShape, closure
-
-# On the curve of grazes of P(1,1,0), between its two points of codimension two.
-BETWEEN = Oscillator(damping=0.764662, eccentricity=0.096608)
-
-
-def graze_of_single_contact(oscillator, which=0):
-    """Graze of P(1,1,0), or of the other one, near an oscillator, in the damping."""
-    orbit = single_contact_orbits(oscillator)[which]
-    point = point_near(SpecialKind.GRAZING, oscillator, "damping", OrbitShape(1, 1, 1), orbit.t, orbit.v)
-    assert point is not None
-    return point
+from tests.rattle_kernels.orbits.grazes import BETWEEN, exponent_of_the_map, graze_of_single_contact
 
 
 def turn_by_an_integrator(point, phase):
@@ -123,21 +109,6 @@ def test_papers_grazes_are_a_fold_and_a_change_of_name():
     kind = graze_kind(point)
     assert kind.scenario == GrazeScenario.PERSISTS and kind.misses == 1 and kind.hits == -1
     assert attractor_beyond(kind, 1e-6) is None, "multipliers are complex: a later turn hits deeper"
-
-
-def exponent_of_the_map(oscillator, t, v, applications):
-    """Largest exponent per application, and impacts with -beta per application."""
-    along, grown, lower = np.array([1.0, 0.3]), 0.0, 0
-    for n in range(applications + 1000):
-        closed = closure(oscillator, "damping", OrbitShape(1, 1), t, v)
-        along = closed.jacobian @ along
-        length = np.linalg.norm(along)
-        along /= length
-        landed = next_impacts(oscillator, t, v)
-        t, v = float(landed.t), float(landed.v)
-        if n >= 1000:
-            grown, lower = grown + math.log(length), lower + int(landed.lower_impacts)
-    return grown / applications, lower / applications
 
 
 @pytest.mark.parametrize("distance", [3e-6, 3e-5])
