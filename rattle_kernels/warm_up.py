@@ -51,7 +51,7 @@ OF_ANALYSES = frozenset(
 FROM_PYTHON_ALONE = frozenset(
     {
         "basin_measures.entropy", "basin_measures.integrity", "basin_measures.uncertainty_exponent",
-        "impact_map.apply", "numerics.distance_transform", "orbits.orbit_beyond_graze",
+        "impact_map.apply", "numerics.distance_transform", "orbits.graze_kind", "orbits.orbit_beyond_graze",
     }
 )  # fmt: skip
 """Modules whose kernels the service does not need: measures of pictures, inverse maps, orbits beyond a graze."""
