@@ -54,7 +54,7 @@ FROM_PYTHON_ALONE = frozenset(
         "impact_map.apply", "numerics.distance_transform", "orbits.graze_kind", "orbits.orbit_beyond_graze",
     }
 )  # fmt: skip
-"""Modules whose kernels the service does not need: measures of pictures, inverse maps, orbits beyond a graze."""
+"""Modules whose kernels a service compiles when they are first asked for: few ask for what they compute."""
 
 Report = Callable[[int, int], None]
 """Called with how many kernels are there and how many are needed, while some have to be compiled; else not at all."""
