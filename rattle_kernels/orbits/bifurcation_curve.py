@@ -65,14 +65,27 @@ class _Plane(NamedTuple):
         return ", ".join(f"{name} = {value:.12g}" for name, value in pairs)
 
 
-def _land(plane: _Plane, before: np.ndarray, beyond: np.ndarray) -> np.ndarray | None:
-    """Point of the curve on the bound that lies between two points; `before` if Newton's method does not find it."""
-    for i in (0, 1):
-        at = len(before) - 2 + i
-        for bound in plane.bounds[i] / plane.space.scales[at]:
+def on_bound(system: System, bounds: np.ndarray, before: np.ndarray, beyond: np.ndarray) -> np.ndarray | None:
+    """Point of a curve on the bound that lies between two of its points.
+
+    Parameters
+    ----------
+    system : callable
+        The equations of the curve; the two parameters are the last unknowns.
+    bounds : ndarray, shape (2, 2)
+        Of each parameter, in scaled unknowns.
+    before, beyond : ndarray
+
+    Returns
+    -------
+    ndarray or None
+        `before` if Newton's method does not find it. None if no bound lies between.
+    """
+    for at, pair in zip((len(before) - 2, len(before) - 1), bounds, strict=True):
+        for bound in pair:
             if (before[at] - bound) * (beyond[at] - bound) < 0.0:
                 part = (bound - before[at]) / (beyond[at] - before[at])
-                landed = solve(plane.system, before + part * (beyond - before), np.eye(len(before))[at])
+                landed = solve(system, before + part * (beyond - before), np.eye(len(before))[at])
                 return before if landed is None else landed.z
     return None
 
@@ -125,7 +138,7 @@ def _one_way(plane: _Plane, start: np.ndarray, way: float) -> tuple[list[np.ndar
 
     for point in follow_curve(plane.system, start, along, plane.steps, accepts):
         plane.pause()
-        landed = _land(plane, points[-1], point.z)
+        landed = on_bound(plane.system, plane.bounds / plane.space.scales[-2:, None], points[-1], point.z)
         points.append(point.z if landed is None else landed)
         if landed is not None:
             return points, f"a bound, at {plane.where(landed)}"

@@ -36,7 +36,7 @@ from rattle_kernels.numerics.jit import kernel
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_kernels.numerics.phase import wrap_all
 from rattle_kernels.numerics.pseudo_arclength import Steps, follow_curve, solve
-from rattle_kernels.orbits.bifurcation_curve import SpecialCurve
+from rattle_kernels.orbits.bifurcation_curve import SpecialCurve, on_bound
 from rattle_kernels.orbits.bifurcation_point import SpecialPoint
 from rattle_kernels.orbits.closure import OrbitShape, closure, departures_from, grazing_speed_at, stability_gap
 from rattle_kernels.orbits.codimension_two import CodimensionTwo, CodimensionTwoPoint
@@ -203,25 +203,22 @@ def curve_beside_graze(
     system = with_differences(beside.equations, space)
     begin = space.write(oscillator, _touch_phase(oscillator, float(point.t[0])), 0.0)
     speed = np.eye(4)[1]
-    landed = (solve(system, begin + gentle * speed, speed) for gentle in _GENTLE)
-    first = next((each.z for each in landed if each is not None), None)
+    tried = (solve(system, begin + gentle * speed, speed) for gentle in _GENTLE)
+    first = next((each.z for each in tried if each is not None), None)
     if first is None or not beside.is_admissible(first):
         return None
-    low, high = np.array([bounds, second_bounds]).T / space.scales[2:]
+    window = np.array([bounds, second_bounds]) / space.scales[2:, None]
     points, why = [first], "no step succeeds"
     for each in follow_curve(system, first, first - begin, steps):
         pause()
         if not beside.is_admissible(each.z):
             why = "another turn of the orbit hits -beta"
-        elif not ((low <= each.z[2:]) & (each.z[2:] <= high)).all():
-            why = "a bound"
-        elif len(points) + 1 >= most_points:
-            why = "as many points as were asked for"
-            points.append(each.z)
-        else:
-            points.append(each.z)
-            continue
-        break
+            break
+        landed = on_bound(system, window, points[-1], each.z)
+        points.append(each.z if landed is None else landed)
+        if landed is not None or len(points) >= most_points:
+            why = "as many points as were asked for" if landed is None else "a bound"
+            break
     values = np.array([begin, *points])[:, 2:] * space.scales[2:]
     t, v = np.array([(float(point.t[0]), float(point.v[0])), *map(beside.before, points)]).T
     evaluated = [value for z in points if (value := beside.equations(z)) is not None]

@@ -122,8 +122,9 @@ def _note(text: str) -> Note:
 
 def _measure(text: str) -> Measure:
     numbers, label = text.split(",", 4)[:4], text.split(",", 4)[4:]
-    ends = _numbers(numbers, 4, f"a measure is two points, and if need be a label: 0.3,4.1,0.5,4.4, not {text}")
-    return Measure(*ends, _short(label[0], "measure") if label else None)
+    refusal = f"a measure is two points, and if need be a label: 0.3,4.1,0.5,4.4, not {text}"
+    t0, v0, t1, v1 = _numbers(numbers, 4, refusal)
+    return Measure(t0, v0, t1, v1, _short(label[0], "measure") if label else None)
 
 
 def _short(label: str, what: str) -> str:
