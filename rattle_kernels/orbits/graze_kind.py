@@ -217,6 +217,7 @@ def attractor_beyond(graze: GrazeKind, distance: float) -> AttractorBeyond | Non
     Parameters
     ----------
     graze : GrazeKind
+        As `graze_kind` finds it.
     distance : float
         Of the parameter from the graze, on the side where the orbit would pass below -beta; its sign is not used.
 

@@ -167,11 +167,13 @@ def curve_beside_graze(
     Parameters
     ----------
     point : CodimensionTwoPoint
+        A neutral or a resonant graze.
     kind : SpecialKind
         Saddle-node or period doubling.
     bounds, second_bounds : (float, float)
         Values of the two parameters at which to stop.
     most_points : int
+        Largest number of points.
     steps : Steps
         Step sizes in scaled unknowns, as for `continue_orbit`.
     pause : callable
