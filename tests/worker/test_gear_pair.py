@@ -236,6 +236,7 @@ def test_a_motion_of_a_machine_has_si_units():
     np.testing.assert_allclose(motion.contact_speed_m_s, motion.contact_speed * pair.scales.speed)
 
 
+@pytest.mark.slow
 def test_a_machine_with_a_mesh_stiffness_is_followed_beyond_the_threshold():
     pair = rattle.GearPair(**LIGHT, mesh_stiffness=3.1e9)
     fast = pair.at_speed(2 * pair.threshold_speed)

@@ -290,6 +290,7 @@ def test_what_is_wrong_is_said_with_what_would_be_right(given, told):
         swept(**given)
 
 
+@pytest.mark.slow
 def test_a_sweep_with_a_mesh_stiffness_goes_through_the_threshold():
     speeds = [part * STIFF.threshold_speed for part in (0.75, 1.1)]
     found = rattle.sweep(STIFF, speed=speeds, sample=32, progress=False)

@@ -71,7 +71,7 @@ def test_the_turn_has_the_multipliers_of_the_orbit_that_misses():
 GRAZING = [
     Oscillator(0.575),
     Oscillator(0.32, 0.0543, 0.3, restitution=0.9),
-    Oscillator(0.6, 0.08, harmonics=((2, 0.01, 0.3),)),
+    pytest.param(Oscillator(0.6, 0.08, harmonics=((2, 0.01, 0.3),)), marks=pytest.mark.slow),
     pytest.param(Oscillator(0.45, 0.1, half_backlash=0.4), marks=pytest.mark.slow),
 ]
 
@@ -111,7 +111,7 @@ def test_papers_grazes_are_a_fold_and_a_change_of_name():
     assert attractor_beyond(kind, 1e-6) is None, "multipliers are complex: a later turn hits deeper"
 
 
-@pytest.mark.parametrize("distance", [3e-6, 3e-5])
+@pytest.mark.parametrize("distance", [3e-6, pytest.param(3e-5, marks=pytest.mark.slow)])
 def test_chaos_begins_at_once_as_the_leading_terms_say(distance):
     """Multipliers 0.90 and 0.52: no windows of periodic motion follow the graze (Nordmark)."""
     point = graze_of_single_contact(BETWEEN)
