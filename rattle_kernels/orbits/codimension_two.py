@@ -45,13 +45,13 @@ from rattle_kernels.orbits.closure import (
     closure,
     departures_from,
     grazing_speed_at,
-    stability_gap,
 )
 from rattle_kernels.orbits.graze_kind import touch_monodromy
 from rattle_kernels.orbits.orbit_equations import (
     SpecialKind,
     Unknowns,
     special_system,
+    together,
     unknowns,
     with_differences,
 )
@@ -81,6 +81,13 @@ class CodimensionTwo(StrEnum):
     NEUTRAL_GRAZE = "neutral graze"
     RESONANT_GRAZE = "resonant graze"
     DOUBLE_GRAZE = "double graze"
+
+
+_MEETS_A_GRAZE = {
+    SpecialKind.GRAZING: CodimensionTwo.DOUBLE_GRAZE,
+    SpecialKind.SADDLE_NODE: CodimensionTwo.SADDLE_NODE_GRAZE,
+    SpecialKind.PERIOD_DOUBLING: CodimensionTwo.DOUBLING_GRAZE,
+}
 
 
 class CodimensionTwoPoint(NamedTuple):
@@ -159,7 +166,7 @@ def codimension_two_points(
     tuple of CodimensionTwoPoint
         In order along the curve. Two zeros between neighbouring points of the curve are not seen.
     """
-    if point.kind not in (SpecialKind.GRAZING, SpecialKind.SADDLE_NODE, SpecialKind.PERIOD_DOUBLING):
+    if point.kind not in _MEETS_A_GRAZE:
         return ()
     space = unknowns(point.oscillator, curve.parameters)
     shape = OrbitShape(point.forcing_periods, point.upper_contacts, int(point.kind == SpecialKind.GRAZING))
@@ -338,43 +345,23 @@ def _at_end(on: _Curve, z: np.ndarray) -> Iterator[CodimensionTwoPoint]:
     read = on.space.read(z)
     if read is None or read[0].is_loose:
         return
-    first = on.space.parameters[0]
-    orbit = departures_from(read[0], first, on.shape, *read[1:])
+    orbit = departures_from(read[0], on.space.parameters[0], on.shape, *read[1:])
     turns = _turns(on, orbit)
     if turns > 1:
         yield from _of_shorter(on, z, turns)
         return
     margin = np.abs(grazing_distances(read[0], orbit.t, orbit.v)[0])
-    others = margin[1:] if on.kind == SpecialKind.GRAZING else margin
+    grazes = on.kind == SpecialKind.GRAZING  # with its first flight; another one grazes, too
+    others = margin[grazes:]
     if not others.size:
         return
-    flight = int(np.argmin(others)) + (on.kind == SpecialKind.GRAZING)
+    flight = int(np.argmin(others)) + grazes
     begin = on.space.write(read[0], float(orbit.t[flight]), float(orbit.v[flight]))
-    over = 1 | (1 << (on.shape.upper_contacts - flight)) if on.kind == SpecialKind.GRAZING else 1
-    shape = on.shape._replace(over=over)
-    grazes = special_system(SpecialKind.GRAZING, on.space, shape)
-    if on.kind == SpecialKind.GRAZING:
-        again = on.shape.upper_contacts - flight
-        there = _Curve(on.kind, grazes, on.space, shape)
-        test = _Test(CodimensionTwo.DOUBLE_GRAZE, partial(_faster, there, flight=again))
-    else:
-        multiplier, kind = {
-            SpecialKind.SADDLE_NODE: (1.0, CodimensionTwo.SADDLE_NODE_GRAZE),
-            SpecialKind.PERIOD_DOUBLING: (-1.0, CodimensionTwo.DOUBLING_GRAZE),
-        }[on.kind]
-        there = _Curve(SpecialKind.GRAZING, grazes, on.space, shape)
-
-        def gap(z: np.ndarray) -> float:
-            read = on.space.read(z)
-            closed = None if read is None else closure(read[0], first, shape, *read[1:])
-            return (
-                math.nan
-                if read is None or closed is None
-                else stability_gap(read[0], shape, closed.jacobian, multiplier)
-            )
-
-        test = _Test(kind, gap)
-    landed = solve(_both(grazes, test, on.space), begin)
+    first_one = (on.shape.upper_contacts - flight) % on.shape.upper_contacts if grazes else 0
+    shape = on.shape._replace(over=1 | 1 << first_one)
+    there = _Curve(on.kind, special_system(on.kind, on.space, shape), on.space, shape)
+    test = _Test(_MEETS_A_GRAZE[on.kind], partial(_faster, there, flight=first_one))
+    landed = solve(_both(there, test), begin)
     if landed is not None and np.abs(landed.z - begin).max() <= _NEAR_END:
         yield _described(there, test, landed.z, landed.last_step)
 
@@ -392,22 +379,19 @@ def _turns(on: _Curve, orbit: Departures) -> int:
 
 def _of_shorter(on: _Curve, z: np.ndarray, turns: int) -> Iterator[CodimensionTwoPoint]:
     shape = OrbitShape(on.shape.forcing_periods // turns, on.shape.upper_contacts // turns, 1)
-    grazes = special_system(SpecialKind.GRAZING, on.space, shape)
-    shorter = _Curve(SpecialKind.GRAZING, grazes, on.space, shape)
+    shorter = _Curve(SpecialKind.GRAZING, special_system(SpecialKind.GRAZING, on.space, shape), on.space, shape)
     for test in _tests_of_grazes(shorter):
-        landed = solve(_both(grazes, test, on.space), z)
+        landed = solve(_both(shorter, test), z)
         if landed is not None and np.abs(landed.z - z).max() <= _NEAR_END:
             yield _described(shorter, test, landed.z, landed.last_step)
             return
 
 
-def _both(system: System, test: _Test, space: Unknowns) -> System:
-    one = with_differences(lambda z: np.array([value]) if math.isfinite(value := test.value(z)) else None, space)
+def _both(on: _Curve, test: _Test) -> System:
+    """The equations of a curve, and a test function that is zero."""
 
-    def both(z: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-        curve, condition = system(z), one(z)
-        if curve is None or condition is None:
-            return None
-        return np.concatenate([curve[0], condition[0]]), np.vstack([curve[1], condition[1]])
+    def value(z: np.ndarray) -> np.ndarray | None:
+        tested = np.array([test.value(z)])
+        return tested if np.isfinite(tested).all() else None
 
-    return both
+    return together(on.system, with_differences(value, on.space))

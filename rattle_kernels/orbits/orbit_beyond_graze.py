@@ -29,7 +29,6 @@ from rattle_kernels.impact_map.flights import LOWER, next_contact
 from rattle_kernels.impact_map.sensitivity import next_impact_with_sensitivity
 from rattle_kernels.model.domain import check_impacting
 from rattle_kernels.model.flight import fall_speed
-from rattle_kernels.model.grazing_curve import LEAVING, grazing_flight
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import kernel
@@ -40,6 +39,7 @@ from rattle_kernels.orbits.bifurcation_curve import SpecialCurve, on_bound
 from rattle_kernels.orbits.bifurcation_point import SpecialPoint
 from rattle_kernels.orbits.closure import OrbitShape, closure, departures_from, grazing_speed_at, stability_gap
 from rattle_kernels.orbits.codimension_two import CodimensionTwo, CodimensionTwoPoint
+from rattle_kernels.orbits.graze_kind import touch_after
 from rattle_kernels.orbits.orbit_equations import SpecialKind, Unknowns, unknowns, with_differences
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit, find_periodic_orbit
 
@@ -61,9 +61,8 @@ def _meeting(oscillator, shape, t, u):
     return elapsed - back.duration - shape.forcing_periods, speed - before, t + back.duration, before
 
 
-@kernel
-def _touch_phase(oscillator, t):
-    return t + grazing_flight(oscillator, t, LEAVING)[1]
+def _touch_phase(oscillator: Oscillator, t: float) -> float:
+    return t + touch_after(oscillator, t)[1]
 
 
 def orbit_beyond_graze(point: SpecialPoint, lower_speed: float = 0.01) -> tuple[Oscillator, PeriodicOrbit] | None:

@@ -194,6 +194,29 @@ def _touch_gap(oscillator, shape, t):
     return motion.depth, motion.rate
 
 
+def together(some: System, more: System) -> System:
+    """System of the equations of two systems in the same unknowns.
+
+    Parameters
+    ----------
+    some, more : callable
+
+    Returns
+    -------
+    System
+        Undefined where one of them is.
+    """
+
+    def system(z: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+        first = some(z)
+        second = None if first is None else more(z)
+        if first is None or second is None:
+            return None
+        return np.concatenate([first[0], second[0]]), np.vstack([first[1], second[1]])
+
+    return system
+
+
 def special_system(
     kind: SpecialKind, space: Unknowns, shape: OrbitShape, lower: tuple[int, ...] | None = None
 ) -> System:
@@ -215,15 +238,7 @@ def special_system(
     """
     if kind == SpecialKind.CONTACT_LOSS:
         return with_differences(_touch_equations(space, shape), space)
-    closing, special = closing_system(space, shape, lower), _special_equation(kind, space, shape)
-
-    def system(z: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-        orbit, one = closing(z), special(z)
-        if orbit is None or one is None:
-            return None
-        return np.concatenate([orbit[0], one[0]]), np.vstack([orbit[1], one[1]])
-
-    return system
+    return together(closing_system(space, shape, lower), _special_equation(kind, space, shape))
 
 
 def _touch_equations(space: Unknowns, shape: OrbitShape) -> Callable[[np.ndarray], np.ndarray | None]:

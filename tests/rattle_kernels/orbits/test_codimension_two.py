@@ -16,6 +16,7 @@ from rattle_kernels import (
     find_orbit,
     find_orbits,
     grazing_velocity,
+    single_contact_orbits,
 )
 from rattle_kernels.orbits.bifurcation_point import point_near
 from rattle_kernels.orbits.closure import OrbitShape
@@ -187,3 +188,13 @@ def test_a_point_that_is_no_such_graze_is_refused(of_single_contact):
         curve_beside_graze(neutral, SpecialKind.GRAZING, *WIDE)
     with pytest.raises(ValueError, match="neutral or a resonant graze"):
         curve_beside_graze(only(of_single_contact, CodimensionTwo.SADDLE_NODE_GRAZE), SpecialKind.SADDLE_NODE, *WIDE)
+
+
+def test_a_curve_of_saddle_nodes_ends_where_they_graze(of_single_contact):
+    oscillator = Oscillator(0.75, 0.095)
+    orbit = single_contact_orbits(oscillator)[0]
+    saddle_node = point_near(SpecialKind.SADDLE_NODE, oscillator, "damping", OrbitShape(1, 1), orbit.t, orbit.v)
+    curve = continue_special_point(saddle_node, "eccentricity", *WIDE)
+    end = only(codimension_two_points(saddle_node, curve), CodimensionTwo.SADDLE_NODE_GRAZE)
+    same = only(of_single_contact, CodimensionTwo.SADDLE_NODE_GRAZE)
+    assert end.values == pytest.approx(same.values, abs=1e-10)
