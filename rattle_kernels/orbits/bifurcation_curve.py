@@ -79,15 +79,20 @@ def on_bound(system: System, bounds: np.ndarray, before: np.ndarray, beyond: np.
     Returns
     -------
     ndarray or None
-        `before` if Newton's method does not find it. None if no bound lies between.
+        That which is met first, if both parameters leave their bounds. `before` if Newton's method does not find it.
+        None if no bound lies between.
     """
-    for at, pair in zip((len(before) - 2, len(before) - 1), bounds, strict=True):
-        for bound in pair:
-            if (before[at] - bound) * (beyond[at] - bound) < 0.0:
-                part = (bound - before[at]) / (beyond[at] - before[at])
-                landed = solve(system, before + part * (beyond - before), np.eye(len(before))[at])
-                return before if landed is None else landed.z
-    return None
+    met = [
+        ((bound - before[at]) / (beyond[at] - before[at]), at)
+        for at, pair in zip((len(before) - 2, len(before) - 1), bounds, strict=True)
+        for bound in pair
+        if (before[at] - bound) * (beyond[at] - bound) < 0.0
+    ]
+    if not met:
+        return None
+    part, at = min(met)
+    landed = solve(system, before + part * (beyond - before), np.eye(len(before))[at])
+    return before if landed is None else landed.z
 
 
 def _stall(plane: _Plane, z: np.ndarray) -> str:

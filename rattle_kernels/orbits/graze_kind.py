@@ -98,6 +98,40 @@ def touch_monodromy(oscillator: Oscillator, shape: OrbitShape, t: float, v: floa
     return there
 
 
+def graze_response(turn: np.ndarray) -> float:
+    """``c = N_12/det(I - N)``: where it is positive, the orbit persists with one impact more; else it folds.
+
+    Parameters
+    ----------
+    turn : ndarray, shape (2, 2)
+        N, as `touch_monodromy` finds it.
+
+    Returns
+    -------
+    float
+    """
+    (a, b), (c, d) = turn.tolist()
+    determinant: float = (1.0 - a) * (1.0 - d) - b * c
+    return b / determinant if determinant else math.copysign(math.inf, b)
+
+
+def small_attractor_follows(turn: np.ndarray) -> bool:
+    """Whether a small attractor lies beyond a graze at once, where the orbit that misses attracts no more.
+
+    Parameters
+    ----------
+    turn : ndarray, shape (2, 2)
+        N, as `touch_monodromy` finds it.
+
+    Returns
+    -------
+    bool
+    """
+    multipliers = np.linalg.eigvals(turn)
+    slower, faster = sorted(multipliers.real)
+    return bool(turn[0, 1] > 0.0 and not multipliers.imag.any() and 0.0 < slower < faster < 1.0)
+
+
 class GrazeKind(NamedTuple):
     """What a graze does.
 
@@ -136,8 +170,7 @@ class GrazeKind(NamedTuple):
     @property
     def attracts_beside(self) -> bool:
         """Whether a small attractor lies beyond the graze, where the orbit that misses attracts no more."""
-        slower, faster = sorted(self.multipliers.real)
-        return bool(self.monodromy[0, 1] > 0.0 and not self.multipliers.imag.any() and 0.0 < slower < faster < 1.0)
+        return small_attractor_follows(self.monodromy)
 
     @property
     def misses(self) -> int:
@@ -187,9 +220,9 @@ def graze_kind(point: SpecialPoint) -> GrazeKind | None:
     along = np.linalg.solve(equations[:2, :2], -equations[:2, 2])
     faster = float(equations[2] @ np.append(along, 1.0)) * space.scales[1] / space.scales[2]
     lower = -math.expm1(-oscillator.damping * sigma) / oscillator.damping
-    response = float(turn[0, 1] / np.linalg.det(np.eye(2) - turn))
     return GrazeKind(
-        float(wrap(t + sigma)), float(acceleration), turn, response, -lower * faster, oscillator.restitution
+        float(wrap(t + sigma)), float(acceleration), turn, graze_response(turn), -lower * faster,
+        oscillator.restitution,
     )  # fmt: skip
 
 
