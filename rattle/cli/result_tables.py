@@ -161,7 +161,7 @@ def _print_orbits(result: dict[str, Any]) -> None:
         table = Table("", "special point", Column("value", no_wrap=True), "orbit", "branch", "error", "residual")
         for number, point in enumerate(result["special_points"][:_MOST_ROWS]):
             table.add_row(
-                str(number), point["kind"], f"{point['value']:.13g}", point["orbit"], str(point["branch"]),
+                str(number), _kind_of(point), f"{point['value']:.13g}", point["orbit"], str(point["branch"]),
                 f"{point['error']:.0e}", f"{point['residual']:.0e}",
             )  # fmt: skip
         out.print(table)
@@ -170,6 +170,10 @@ def _print_orbits(result: dict[str, Any]) -> None:
         ends = "; ".join(curve["ends"])
         line = f"curve of special point {curve['special_point']}, {curve['points']} points: {ends}"
         out.print(line, highlight=False, soft_wrap=True)
+
+
+def _kind_of(point: dict[str, Any]) -> str:
+    return f"{point['kind']}, {point['graze']['scenario']}" if point["graze"] else str(point["kind"])
 
 
 def _print_manifold(result: dict[str, Any]) -> None:

@@ -8,6 +8,8 @@ from numpy import float64, int8, int32, int64
 from pydantic import BaseModel, Field
 
 from rattle_kernels import Branch, FoundOrbit, Oscillator, PeriodicOrbit, SpecialKind, SpecialPoint
+from rattle_kernels.orbits.graze_kind import graze_kind, graze_response, small_attractor_follows
+from rattle_kernels.orbits.orbit_beyond_graze import orbit_beyond_graze
 from rattle_kernels.orbits.periodic_orbit import orbit_name
 from worker.jobs.swept_parameter import Parameter
 from worker.results.summary import FiniteOrNone
@@ -178,6 +180,23 @@ def summarise_branches(columns: Columns, parameter: str) -> list[BranchView]:
 
 
 _KINDS = tuple(SpecialKind)
+
+
+def _turn(point: SpecialPoint) -> np.ndarray:
+    """N of a graze, NaN for other points; and with finite stiffness, where branches pass a graze smoothly."""
+    impacts = np.isinf(point.oscillator.stiffness)
+    graze = graze_kind(point) if impacts and point.kind == SpecialKind.GRAZING else None
+    return np.full((2, 2), np.nan) if graze is None else graze.monodromy
+
+
+def _beyond(point: SpecialPoint) -> tuple[str, float]:
+    """The orbit that hits beside a graze, and the value at which it was found; no name where none was."""
+    if np.isnan(_turn(point)).any():
+        return "", np.nan
+    found = orbit_beyond_graze(point)
+    return ("", np.nan) if found is None else (found[1].name, found[0].value_of(point.parameter))
+
+
 _CODES = {
     "flag_values": list(range(1, len(_KINDS) + 1)),
     "flag_meanings": " ".join(kind.replace(" ", "_") for kind in _KINDS),
@@ -201,6 +220,15 @@ SPECIALS = Table("special", (
         "special_multiplier_imaginary", float64, "eigenvalues of DP^p, imaginary part", "multipliers.imag", dims=_PAIR,
         fill=np.nan,
     ),
+    Column(
+        "special_turn", float64, "N of a graze: derivative of a turn in (position, velocity) at its touch", _turn,
+        dims={"row": 2, "column": 2}, fill=np.nan,
+    ),
+    Column("special_beyond", str, "orbit beside a graze with one impact more", lambda point: _beyond(point)[0]),
+    Column(
+        "special_beyond_value", float64, "value of the parameter at which that was found",
+        lambda point: _beyond(point)[1], fill=np.nan,
+    ),
 ), prefix="special_", length="special_upper_contacts")  # fmt: skip
 # Branches that meet in a special point agree on its value to 1e-12.
 _SAME = 1e-9
@@ -218,6 +246,11 @@ def specials_of(columns: Columns, oscillator: Oscillator, parameter: str) -> lis
         )
         for row in SPECIALS.rows(columns)
     ]  # fmt: skip
+
+
+def folding(columns: Columns) -> np.ndarray:
+    """Which special points are grazes in whose fold the orbit vanishes, shape (specials,)."""
+    return np.array([graze_response(turn) < 0.0 for turn in columns["special_turn"]], bool)
 
 
 def distinct(points: Sequence[tuple[SpecialPoint, int]]) -> tuple[list[SpecialPoint], list[int]]:
@@ -242,6 +275,36 @@ class SpecialDeparture(BaseModel):
     velocity: float
 
 
+class GrazeView(BaseModel):
+    """What a graze does to its orbit."""
+
+    scenario: Literal["persists", "folds"]
+    response: float = Field(description="N_12/det(I - N), whose sign says which")
+    turn: list[list[float]] = Field(description="N, the derivative of a turn in (position, velocity) at the touch")
+    small_attractor_follows: bool = Field(
+        description="Whether something small attracts at once where the orbit attracts no more, as a rule chaos"
+    )
+    beyond: str = Field(description="Orbit with one impact more that was found beside the graze; empty if none was")
+    beyond_value: FiniteOrNone = Field(description="Value of the parameter at which that was found")
+    says: str = Field(description="In a sentence or two")
+
+
+def _graze_of(row: Any, name: str) -> GrazeView | None:
+    if np.isnan(row.turn).any():
+        return None
+    response, follows = graze_response(row.turn), small_attractor_follows(row.turn)
+    if response < 0.0:
+        says = f"{name} meets an orbit that hits -beta, and both vanish."
+    elif follows:
+        says = f"{name} goes on with one impact more, as a saddle; a small attractor takes its place at once."
+    else:
+        says = f"{name} goes on with one impact more, as a saddle."
+    return GrazeView(
+        scenario="persists" if response > 0.0 else "folds", response=response, turn=row.turn.tolist(),
+        small_attractor_follows=follows, beyond=str(row.beyond), beyond_value=row.beyond_value, says=says,
+    )  # fmt: skip
+
+
 class SpecialPointView(BaseModel):
     """A special point of branches."""
 
@@ -254,32 +317,24 @@ class SpecialPointView(BaseModel):
     branch: int = Field(description="First branch that has it: index into `branches`")
     multipliers: list[tuple[FiniteOrNone, FiniteOrNone]]
     departures: list[SpecialDeparture] = Field(description="The first one grazes, or loses contact, or comes to rest")
+    graze: GrazeView | None = Field(description="Of a graze of -beta in the impacting model; null for others")
 
 
 def summarise_specials(columns: Columns, parameter: Parameter) -> list[SpecialPointView]:
     """Special points of a store's columns."""
-    return [
-        SpecialPointView(
-            kind=_KINDS[row.kind - 1].value,
-            parameter=parameter,
-            value=row.value,
-            error=row.error,
-            residual=row.residual,
-            orbit=orbit_name(
-                row.forcing_periods,
-                row.upper_contacts,
-                row.lower_contacts,
-                rests=not (row.multiplier_real.any() or row.multiplier_imaginary.any()),
-            ),  # fmt: skip
-            branch=row.branch,
-            multipliers=np.stack([row.multiplier_real, row.multiplier_imaginary], axis=-1).tolist(),
-            departures=[
-                SpecialDeparture(time=t, velocity=v)
-                for t, v in zip(row.time.tolist(), row.velocity.tolist(), strict=True)
-            ],
-        )
-        for row in SPECIALS.rows(columns)
-    ]
+    return [_special_view(row, parameter) for row in SPECIALS.rows(columns)]
+
+
+def _special_view(row: Any, parameter: Parameter) -> SpecialPointView:
+    rests = not (row.multiplier_real.any() or row.multiplier_imaginary.any())
+    name = orbit_name(row.forcing_periods, row.upper_contacts, row.lower_contacts, rests=rests)
+    departures = zip(row.time.tolist(), row.velocity.tolist(), strict=True)
+    return SpecialPointView(
+        kind=_KINDS[row.kind - 1].value, parameter=parameter, value=row.value, error=row.error, residual=row.residual,
+        orbit=name, branch=row.branch,
+        multipliers=np.stack([row.multiplier_real, row.multiplier_imaginary], axis=-1).tolist(),
+        departures=[SpecialDeparture(time=t, velocity=v) for t, v in departures], graze=_graze_of(row, name),
+    )  # fmt: skip
 
 
 CURVES = Table("curve", (

@@ -38,6 +38,7 @@ from worker.analyses.orbit_tables import (
     SpecialPointView,
     branch_table,
     distinct,
+    folding,
     orbits_of,
     specials_of,
     summarise_branches,
@@ -283,10 +284,12 @@ def plot_branches(axes: Axes, job: OrbitsJob, columns: Columns) -> None:
     _mark_lost_ends(axes, job, columns)
     for code, (kind, marker) in enumerate(_MARKERS.items(), 1):
         there = columns["special_kind"] == code
-        speeds = columns["special_velocity"][there]
-        if speeds.size:
-            at = np.repeat(columns["special_value"][there], speeds.shape[1])
-            axes.plot(at, speeds.ravel(), marker, color="black", markersize=4, fillstyle="none", label=kind.value)
+        folds = folding(columns)
+        for chosen, label, fill in ((there & ~folds, kind.value, "none"), (there & folds, "grazing, a fold", "full")):
+            speeds = columns["special_velocity"][chosen]
+            if speeds.size:
+                at = np.repeat(columns["special_value"][chosen], speeds.shape[1])
+                axes.plot(at, speeds.ravel(), marker, color="black", markersize=4, fillstyle=fill, label=label)
     axes.set_xlabel(in_words(parameter))
     axes.set_ylabel("velocity v of departure")
 
