@@ -21,7 +21,7 @@ install = { test "$$(id -u)" = 0 && apt-get update -qq && apt-get install --yes 
 # Tests of one file share what they have built.
 ON_TWO_CORES := --numprocesses 2 --dist loadfile
 
-.PHONY: help demo test test-pythons test-processors test-golden test-slow test-faults test-load test-backends test-containers test-hosts test-browser test-all screenshots check check-explorer bench docs dist serve openapi settings lock clean
+.PHONY: help demo test test-pythons test-processors test-golden test-slow test-planted test-faults test-load test-backends test-containers test-hosts test-browser test-all screenshots check check-explorer bench docs dist serve openapi settings lock clean
 
 help:  ## list the verbs
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 12
@@ -57,9 +57,13 @@ test-golden: $(READY)  ## results to the byte against golden stores, and proofs 
 BOUNDS_CHECKED := $(addprefix tests/rattle_kernels/,numerics impact_map lanes cell_mapping attractors/test_classify.py) \
   $(addprefix tests/rattle_proof/enclosures/,test_interval.py test_enclosed_functions.py)
 
-test-slow: $(READY)  ## run the slow tests as well, the proofs' deliberate faults among them, and small tests of the kernels with checked array bounds
-	$(BIN)/python -m pytest $(ON_TWO_CORES) -m 'not browser and not faults and not containers and not hosts and not distribution'
+test-slow: $(READY)  ## run the slow tests as well, and small tests of the kernels with checked array bounds
+	$(BIN)/python -m pytest $(ON_TWO_CORES) -m 'not browser and not faults and not containers and not hosts and not distribution and not planted'
 	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -m 'not slow' $(BOUNDS_CHECKED)
+
+# Each fault compiles its proof anew.
+test-planted: $(READY)  ## plant faults in the proofs, one after another: their tests must catch each (an hour or two)
+	$(BIN)/python -m pytest -m planted $(ON_TWO_CORES) --dist load
 
 test-faults: $(READY)  ## kill and fill things from outside (minutes; as root also full and read-only disks)
 	$(BIN)/python -m pytest -m faults
@@ -112,7 +116,7 @@ check: $(READY) check-explorer docs  ## formatting, lint, types, import layers, 
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/deptry .
-	$(BIN)/codespell rattle_kernels worker service rattle rattle_machine rattle_notebook rattle_paper rattle_proof tests docs demo README.md CHANGELOG.md CONTRIBUTING.md SECURITY.md CITATION.cff
+	$(BIN)/codespell rattle_kernels worker service rattle rattle_chart rattle_machine rattle_notebook rattle_paper rattle_proof tests docs demo README.md CHANGELOG.md CONTRIBUTING.md SECURITY.md CITATION.cff
 
 bench: $(READY)  ## time kernels, assembly and panels; docs/performance.json and the table in docs/performance.md
 	$(BIN)/python -m pytest benchmarks -m '' --benchmark-columns=min,median,ops --benchmark-sort=name --benchmark-json=.benchmarks/run.json

@@ -35,6 +35,13 @@ def pytest_configure(config):
             assert rest.wait(600) == 0
 
 
+def pytest_collection_modifyitems(items):
+    """A slow test may take ten minutes, unless it says how long itself."""
+    for item in items:
+        if item.get_closest_marker("slow") and not item.get_closest_marker("timeout"):
+            item.add_marker(pytest.mark.timeout(600))
+
+
 @pytest.fixture(autouse=True, scope="session")
 def kept(tmp_path_factory):
     """Folder in which results are kept, in place of the user's."""

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-pytestmark = [pytest.mark.slow, pytest.mark.timeout(900)]
+pytestmark = [pytest.mark.planted, pytest.mark.timeout(900)]
 _ROOT = Path(__file__).parents[3]
 _IMAGES, _INTERVALS, _FUNCTIONS = (f"test_{each}.py" for each in ("images", "interval", "enclosed_functions"))
 _LOW, _MOVING, _LATTICE, _TARGETS, _CELLS, _TURNS = (
@@ -234,7 +234,7 @@ def test_a_fault_is_caught(tmp_path, compiled, tests, file, right, wrong):
     command = [sys.executable, "-m", "pytest", *options, f"tests/rattle_proof/enclosures/{tests}"]
     plain = "0" if tests in (_TARGETS, _CELLS) else "1"
     environment = {
-        **os.environ,
+        **{name: value for name, value in os.environ.items() if name != "PYTEST_ADDOPTS"},
         "NUMBA_DISABLE_JIT": plain,
         "PYTHONPATH": os.pathsep.join([str(tmp_path), str(_ROOT)]),
         "NUMBA_CACHE_DIR": str(compiled),
