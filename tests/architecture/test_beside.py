@@ -14,7 +14,7 @@ from tests.store_content import content
 
 ROOT = Path(__file__).parents[2]
 CORE = ("rattle_kernels", "worker", "service", "rattle")
-NAMED = re.compile(r"proof|(un)?\bprov(e|en|es|ing)\b|rattle_(paper|machine|notebook)", re.IGNORECASE)
+NAMED = re.compile(r"proof|(un)?\bprov(e|en|es|ing)\b|rattle_(chart|paper|machine|notebook)", re.IGNORECASE)
 EXCEPT = {
     "rattle/verbs.py": "the arguments of `rattle.basin` are written out, for editors and type checkers",
     "rattle/results/accessor.py": "`proven_quiet` is of the paper: a speed, known for every basin",
@@ -26,11 +26,11 @@ installed = metadata.entry_points
 def others(**wanted):
     found = installed(**wanted)
     ours = wanted.get("group", "").startswith("rattle.")
-    beside = ("rattle_p", "rattle_machine", "rattle_notebook")
+    beside = ("rattle_chart", "rattle_machine", "rattle_notebook", "rattle_p")
     return [each for each in found if not each.value.startswith(beside)] if ours else found
 metadata.entry_points = others
 sys.modules["rattle_proof"] = sys.modules["rattle_paper"] = sys.modules["rattle_machine"] = None
-sys.modules["rattle_notebook"] = None
+sys.modules["rattle_notebook"] = sys.modules["rattle_chart"] = None
 """
 
 

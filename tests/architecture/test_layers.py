@@ -8,6 +8,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = (
+    "rattle_chart",
     "rattle_machine",
     "rattle_notebook",
     "rattle_paper",

@@ -11,6 +11,7 @@ import rattle
 from tests.distribution.conftest import ROOT, build
 
 PACKAGES = (
+    "rattle_chart",
     "rattle_machine",
     "rattle_notebook",
     "rattle_paper",

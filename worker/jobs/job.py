@@ -154,7 +154,7 @@ class Job(Request, ABC):
         allowed = self.oscillator_.allow_no_quiet_solution
         settled, oscillator = self._settled(), self.oscillator
         check_quiet_unless_allowed(self.check_quiet, allowed=allowed)
-        first = {name: oscillator.value_of(name) for axis in self.axes for name in axis.columns}
+        first = {name: oscillator.value_of(name) for name in self.own_values}
         settled["oscillator_"] = self.oscillator_.settled(first, quiet=not allowed or self.quiet)
         if self.machine_ is not None:
             settled.setdefault("machine_", self.machine_)
@@ -183,7 +183,12 @@ class Job(Request, ABC):
     @cached_property
     def oscillator(self) -> Oscillator:
         """Oscillator of the kernels, at the first values of what is swept, checked."""
-        return self.check_oscillator(self.oscillator_.value.at(**changes_at(self.axes, (0,) * len(self.axes))))
+        return self.check_oscillator(self.oscillator_.value.at(**self.own_values))
+
+    @property
+    def own_values(self) -> dict[str, float]:
+        """Parameters that the job itself gives values, and those of its oscillator in canonical form."""
+        return changes_at(self.axes, (0,) * len(self.axes))
 
     @classmethod
     def check_oscillator(cls, oscillator: Oscillator) -> Oscillator:
