@@ -166,7 +166,7 @@ interface Motion { start: Departure; shown: TimeHistory; departures: Departure[]
 
 interface Look { layer: string; palette: string; highlight: string | null; ground: string }
 
-/** What an address holds of a chart: the ranges that are seen, null for the whole, over which parameter, and its job. */
+/** What an address holds of a chart: the ranges that are seen, null for the whole, over which parameter (two by a comma), and its job. */
 interface SeenChart { parameter?: string; x: number[] | null; y: number[] | null; job?: string | null }
 
-interface SeenCharts { diagram: SeenChart | null; orbits: SeenChart | null; shares: SeenChart | null; power: SeenChart | null }
+interface SeenCharts { diagram: SeenChart | null; orbits: SeenChart | null; parameters: SeenChart | null; shares: SeenChart | null; power: SeenChart | null }

@@ -178,7 +178,7 @@ def test_a_diagram_of_another_machine_says_so(charted):
     expect(page.locator("#diagram-watch")).to_have_text("Cancel")
     charted.fill(eccentricity=0.09)
     expect(page.locator("#diagram-watch")).to_contain_text(
-        "not of the picture above, but of impacts: ε = 0.1, β = 0.6", timeout=20_000
+        "not of the basin that is seen, but of impacts: ε = 0.1, β = 0.6", timeout=20_000
     )
     with page.expect_request("**/v1/bifurcations") as asked:
         page.get_by_role("button", name="Compute it anew").click()

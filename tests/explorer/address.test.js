@@ -26,6 +26,7 @@ for (const [name, request] of Object.entries({ impacts: REQUEST, springs: SPRING
       beside: null, part: 0.5, compare: "swipe", machine: null, highlight: "P(1,1,0)", embed: true, axes: "machine",
       charts: {
         diagram: { parameter: "damping", x: [0.55, 0.6], y: [2, 5], job: "ghi" }, orbits: { x: null, y: null, job: "jkl" },
+        parameters: { parameter: "damping,eccentricity", x: [0.75, 0.78], y: [0.094, 0.0995], job: "mno" },
         shares: { x: [0.5, 0.6], y: [0, 0.5] }, power: null,
       },
       annotated: { notes: [{ t: 0.3, v: 4.1, label: "a fold, here & “there” +5 %" }, { t: 0.5, v: 2, label: "" }], measures: [{ t0: 0.1, v0: 1, t1: -0.25, v1: 2.5, label: null }, { t0: 0, v0: 1, t1: 1, v1: 2, label: "" }, { t0: 0, v0: 3, t1: 1, v1: 2, label: "a, b" }] },

@@ -25,6 +25,7 @@ import { machineForm } from "./panels/machine.js";
 import { Motions } from "./panels/motions.js";
 import { Orbits } from "./panels/orbits.js";
 import { OverlayList } from "./panels/overlay_list.js";
+import { ParameterChart } from "./panels/parameter_chart.js";
 import { Sweep } from "./panels/sweep.js";
 import { Turn } from "./panels/turn.js";
 import { Uncertainty } from "./panels/uncertainty.js";
@@ -44,9 +45,10 @@ const REST_MS = 350;
  * `request`: what is asked for, or would be. `edited`: it has not been asked for. `whole`: the window before zooming.
  * `opening`: what the address says, while it is opened; at first nothing is known of it. `refused`: the service has no
  * picture of what the form says. `offered`: what a link asks for, until something else is looked at. `doubts`: about the
- * address, in words. `asked`: addresses of all that was asked for.
+ * address, in words. `asked`: addresses of all that was asked for. `walking`: a pointer moves over the chart of two
+ * parameters, and the plane shows what is there.
  */
-const at = { request: null, edited: true, panel: 0, whole: { t0: 0, t1: 1, v0: 0, v1: 7 }, opening: {}, embed: false, axes: "model", rest: 0, sliding: false, refused: false, offered: null, doubts: "", asked: new Set() };
+const at = { request: null, edited: true, panel: 0, whole: { t0: 0, t1: 1, v0: 0, v1: 7 }, opening: {}, embed: false, axes: "model", rest: 0, sliding: false, refused: false, offered: null, doubts: "", asked: new Set(), walking: false };
 
 const plane = new Plane([{ canvas: by("plane"), marks: by("marks") }, { canvas: by("plane-kept"), marks: by("marks-kept") }], { moved, hovered: (place) => hover.at(place), picked: (place, second) => oscillatorAt(place) && motions.pick(place, second), whole: () => plane.go(at.whole), annotated });
 const marks = new Marks(plane);
@@ -64,7 +66,8 @@ const comparison = new Comparison({ button: by("keep"), range: by("swipe"), side
 const annotations = new Annotations({ button: by("annotate"), box: by("label") }, plane, () => remember(false));
 const charts = {
   orbits: new Orbits({ oscillator: () => screen.oscillator, changed: remember, colour: (name) => plane.paintOf(name).colour, pick: (departure) => motions.pick(departure, false, true) }).panel,
-  bifurcation: new Diagrams({ oscillator: () => screen.oscillator, changed: remember, paint: (name) => plane.paintOf(name), turn: (name, value) => (form.set(name, value), compute(form.request())) }).panel,
+  bifurcation: new Diagrams({ oscillator: () => screen.oscillator, changed: remember, paint: (name) => plane.paintOf(name), turn: turnTo }).panel,
+  chart: new ParameterChart({ oscillator: () => screen.oscillator, changed: remember, paint: (name) => plane.paintOf(name), walk, back: walkedBack, turn: turnTo }).panel,
 };
 const uncertainty = new Uncertainty(() => plane.picture);
 const examples = new Examples(by("preset"), by("examples"), by("preset-note"), showExample);
@@ -112,8 +115,32 @@ function converted({ oscillator, velocity_stop: stop, iterations }) {
 
 function slid(name, value) {
   at.sliding = true;
-  form.set(name, value);
+  form.set({ [name]: value });
   at.sliding = false;
+}
+
+/** Look at other values, and compute them. @param {Object<string, number>} values */
+function turnTo(values) {
+  at.walking = false;
+  form.set(values);
+  compute(form.request());
+}
+
+/** Show the basin of other values while a pointer is there. @param {Object<string, number>} values */
+function walk(values) {
+  if (at.opening) return;
+  [at.walking, at.sliding] = [true, true];
+  form.set(values);
+  at.sliding = false;
+  const oscillator = form.oscillator();
+  if (oscillator) turn.show(oscillator);
+}
+
+/** Show again what was seen before: the address has not changed meanwhile. */
+function walkedBack() {
+  if (!at.walking) return;
+  at.walking = false;
+  attempt(openAddress);
 }
 
 /** Ask for what the form describes, and first for a preview of it; or for what a link does, which may be more. */
@@ -346,6 +373,8 @@ function restyle(look) {
 /** Write what is seen to the address. */
 function remember(isNew) {
   if (at.opening) return;
+  // A basin that a pointer only passes over is not remembered; but what is seen of the charts is.
+  if (at.walking) return void entries.write(encode({ ...decode(entries.address), charts: chartsSeen() }), isNew);
   const { layer, palette, highlight } = plane.look;
   const job = at.edited || jobs.life.phase === "asking" ? null : jobs.job;
   const pictured = job && !hasCells(job) ? {} : { request: at.request, view: plane.view, whole: at.whole };
@@ -356,7 +385,7 @@ function remember(isNew) {
 }
 
 function chartsSeen() {
-  return { diagram: charts.bifurcation.seen, orbits: charts.orbits.seen, ...sweep.seen };
+  return { diagram: charts.bifurcation.seen, orbits: charts.orbits.seen, parameters: charts.chart.seen, ...sweep.seen };
 }
 
 /** Show the charts below the plane that an address has. */

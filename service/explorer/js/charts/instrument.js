@@ -7,9 +7,11 @@ import { asCsv, saveBlob } from "../page/save.js";
 import { attempt } from "../page/say.js";
 import { Chart } from "./chart.js";
 import { pngOf, svgOf } from "./saved.js";
-import { inside, middleOf, nearest, nextPoint, sameView, scaledAbout, shifted } from "./view.js";
+import { holds, inside, middleOf, nearest, nextPoint, sameView, scaledAbout, shifted } from "./view.js";
 
 const REACH = 40;
+// Where every place means something, a point is only named next to it.
+const NEXT_TO = 12;
 const CLICK_PIXELS = 4;
 const FACTOR = 0.7;
 const REST_MS = 350;
@@ -32,6 +34,8 @@ const KEYS = "Arrows mark the next point, with Shift they move the view; plus an
  * @property {(chart: Chart) => void} draw
  * @property {() => any[][]} table
  * @property {(view: import("./view.js").ChartView) => {sign: SVGElement, name: string}[]} key
+ * @property {(place: {x: number, y: number}, view: import("./view.js").ChartView) => string} [place] says what is at a
+ *   place without a point
  */
 
 function button(text, title, press) {
@@ -52,11 +56,14 @@ function pairOf(pointers) {
 export class Instrument {
   /**
    * @param {HTMLElement} place
-   * @param {{label: string, act: string, does: string}} words what it is; the button that does with a point what a click
-   *   does; that as the end of a sentence on keys
+   * @param {{label: string, act: string, does: string, walks?: string}} words what it is; the button that does with a
+   *   point what a click does; that as the end of a sentence on keys; what a pointer does that moves over it
    * @param {object} tell
    * @param {(view: import("./view.js").ChartView) => void} tell.moved another view is seen, after a rest
-   * @param {(place: {x: number, y: number}, point: any|null) => void} tell.picked a place, and the point there
+   * @param {(place: {x: number, y: number}, point: any|null, at: {x: number, y: number}) => void} tell.picked a place,
+   *   that of the point there if there is one; this point; and where the pointer was
+   * @param {(place: {x: number, y: number}) => void} [tell.walked] the pointer moves over a place: then a drag is no box
+   * @param {() => void} [tell.left] it is over none any more
    * @param {(() => void)} [tell.closed] it shall be seen no more
    */
   constructor(place, words, tell) {
@@ -74,7 +81,8 @@ export class Instrument {
     this.rest = this.soon = 0;
     this.stage = Object.assign(document.createElement("div"), { className: "stage", tabIndex: 0 });
     this.stage.setAttribute("role", "application");
-    this.stage.setAttribute("aria-label", `${words.label}. ${KEYS} ${words.does}.`);
+    this.stage.setAttribute("aria-label", `${words.label}. ${KEYS} ${words.does}.${words.walks ? ` ${words.walks}.` : ""}`);
+    this.stage.classList.toggle("walked", Boolean(words.walks));
     this.reading = Object.assign(document.createElement("output"), { className: "reading" });
     this.reading.setAttribute("aria-live", "polite");
     place.replaceChildren(this.stage, this.reading, this.#tools());
@@ -221,7 +229,7 @@ export class Instrument {
   }
 
   #pick() {
-    if (this.marked) this.tell.picked(this.marked, this.marked);
+    if (this.marked) this.tell.picked(this.marked, this.marked, this.marked);
   }
 
   // Pointer, wheel and keys.
@@ -233,11 +241,24 @@ export class Instrument {
     stage.addEventListener("pointermove", (event) => this.#move(event));
     stage.addEventListener("pointerup", (event) => this.#release(event));
     stage.addEventListener("pointercancel", (event) => this.#drop(event));
+    stage.addEventListener("pointerleave", () => this.pointers.size || this.tell.left?.());
     stage.addEventListener("keydown", (event) => this.#key(event));
   }
 
   #nearestTo(event) {
-    return nearest(this.scene.points, this.chart.placeAt(event), this.view, this.chart.unit, REACH);
+    return nearest(this.scene.points, this.chart.placeAt(event), this.view, this.chart.unit, this.tell.walked ? NEXT_TO : REACH);
+  }
+
+  /** A pointer passes over a place. */
+  #pass(event) {
+    const point = this.#nearestTo(event);
+    this.#point(point);
+    if (!this.tell.walked) return;
+    const place = this.chart.placeAt(event);
+    if (!holds(this.view, place)) return this.tell.left();
+    if (!point) this.#unmark();
+    if (!point) this.reading.textContent = this.scene.place(place, this.view);
+    this.tell.walked(place);
   }
 
   /** Without Ctrl, which two fingers on a pad have as well, the wheel scrolls the page. */
@@ -261,7 +282,7 @@ export class Instrument {
 
   #move(event) {
     if (!this.scene || !this.chart) return;
-    if (!this.pointers.has(event.pointerId)) return this.#point(this.#nearestTo(event));
+    if (!this.pointers.has(event.pointerId)) return this.#pass(event);
     this.pointers.set(event.pointerId, event);
     if (this.pinch && this.pointers.size === 2) {
       const { apart, view, fixed } = this.pinch;
@@ -273,10 +294,16 @@ export class Instrument {
     const { from } = this.drag;
     this.drag.moved ||= Math.hypot(event.clientX - from.clientX, event.clientY - from.clientY) > CLICK_PIXELS;
     if (!this.drag.moved) return;
+    if (!this.#isBox) return this.#pass(event);
     const { x, y } = this.#boxTo(event);
     const [left, top] = [this.chart.x(x[0]), this.chart.y(y[1])];
     const drawn = { x: left, y: top, width: this.chart.x(x[1]) - left, height: this.chart.y(y[0]) - top, visibility: "visible" };
     for (const [name, value] of Object.entries(drawn)) this.box.setAttribute(name, String(value));
+  }
+
+  /** Whether what is dragged is a box. */
+  get #isBox() {
+    return !this.tell.walked || this.drag.from.shiftKey;
   }
 
   /** The box from where the pointer was pressed. One that is flat in a direction leaves that as it is. */
@@ -295,14 +322,17 @@ export class Instrument {
 
   #release(event) {
     const { drag } = this;
-    if (drag?.moved) this.#go(this.#boxTo(event));
+    const touch = event.pointerType === "touch";
+    if (drag?.moved && this.#isBox) this.#go(this.#boxTo(event));
+    else if (drag?.moved && touch) this.tell.left();
     this.#drop(event);
     if (!drag || drag.moved) return;
     const point = this.#nearestTo(event);
     // A finger cannot point: its first tap does.
-    if (event.pointerType === "touch" && point !== this.marked) return this.#point(point);
+    if (touch && point !== this.marked && !this.tell.walked) return this.#point(point);
     this.#point(point);
-    this.tell.picked(point ?? this.chart.placeAt(event), point);
+    const at = this.chart.placeAt(event);
+    this.tell.picked(point ?? at, point, at);
   }
 
   #drop(event) {

@@ -10,9 +10,9 @@ function number(value) {
   return typeof value === "number" ? String(Number(value.toPrecision(6))) : "?";
 }
 
-/** An oscillator in words, such as "Impacts: δ = 0.6, ε = 0.1, β = 0.6", without a number that varies. */
+/** An oscillator in words, such as "Impacts: δ = 0.6, ε = 0.1, β = 0.6", without numbers that vary, by commas. */
 export function oscillatorInWords(oscillator, without = "") {
-  const values = SYMBOLS.filter(([name]) => oscillator[name] !== undefined && name !== without).map(([name, symbol]) => `${symbol} = ${number(oscillator[name])}`);
+  const values = SYMBOLS.filter(([name]) => oscillator[name] !== undefined && !without.split(",").includes(name)).map(([name, symbol]) => `${symbol} = ${number(oscillator[name])}`);
   const harmonics = oscillator.harmonics?.length ? [`harmonics ${harmonicsText(oscillator.harmonics)}`] : [];
   return `${MODELS[oscillator.model ?? "impacting"]}: ${[...values, ...harmonics].join(", ")}`;
 }

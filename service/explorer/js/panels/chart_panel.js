@@ -17,7 +17,7 @@ import { inWords } from "../page/say.js";
  * @property {string} name of its elements
  * @property {string} kind of its jobs
  * @property {string} path of their requests
- * @property {{label: string, act: string, does: string}} words of the chart
+ * @property {{label: string, act: string, does: string, walks?: string}} words of the chart
  * @property {string} offer what the button says that computes it
  * @property {(wanted: SeenChart) => string} title
  * @property {(oscillator: Oscillator, wanted: SeenChart) => object} body of a request
@@ -26,10 +26,14 @@ import { inWords } from "../page/say.js";
  * @property {(scene: JobScene, view: import("../charts/view.js").ChartView) => SeenChart} seenOf
  * @property {(job: Job) => SeenChart} wantedOf what a job was asked for
  * @property {string} note what is seen and what can be done, once it is there
+ * @property {string} [none] what is said in its place where there are no points
  * @property {(scene: JobScene, oscillator: Oscillator) => boolean} isOf whether the scene is that of an oscillator
  * @property {(scene: JobScene, view: import("../charts/view.js").ChartView) => Partial<SeenChart>|null} finer what is
  *   computed anew where a part is seen
- * @property {(place: {x: number, y: number}, point: any|null) => void} picked
+ * @property {string} [part] what the button says that computes the part which is seen, where that is not done by itself
+ * @property {(place: {x: number, y: number}, point: any|null, at: {x: number, y: number}) => void} picked
+ * @property {(place: {x: number, y: number}) => void} [walked] the pointer moves over a place
+ * @property {() => void} [left] it is over none any more
  * @property {() => void} follow another picture is seen
  */
 
@@ -53,7 +57,8 @@ export class ChartPanel {
     this.wanted = null;
     this.turn = 0;
     this.instrument = new Instrument(by(`${chart.name}-chart`), chart.words, {
-      moved: (view) => this.#moved(view), picked: (place, point) => chart.picked(place, point), closed: () => this.close(),
+      moved: (view) => this.#moved(view), picked: (place, point, at) => chart.picked(place, point, at), closed: () => this.close(),
+      ...(chart.walked && { walked: (place) => chart.walked(place), left: () => chart.left() }),
     });
     this.computation = new Computation(by(`${chart.name}-watch`), {
       accepted: (job) => {
@@ -112,7 +117,7 @@ export class ChartPanel {
     if (signal.aborted) return;
     const { x, y } = this.shown ? this.instrument.view : this.wanted;
     this.instrument.show(scene, { x: x ?? scene.whole.x, y: y ?? scene.whole.y });
-    this.note.textContent = scene.points.length ? this.chart.note : "There are none.";
+    this.note.textContent = scene.points.length ? this.chart.note : this.chart.none ?? "There are none.";
     this.page.changed(false);
   }
 
@@ -166,10 +171,16 @@ export class ChartPanel {
     this.chart.follow();
     const seen = this.page.oscillator();
     if (!this.shown || !seen || this.computation.busy) return;
-    if (this.chart.isOf(this.shown, seen)) return this.computation.offer();
+    if (this.chart.isOf(this.shown, seen)) return this.#offerPart();
     const own = oscillatorInWords(this.shown.oscillator, this.shown.parameter);
-    const words = `This chart is not of the picture above, but of ${own[0].toLowerCase()}${own.slice(1)}.`;
+    const words = `This chart is not of the basin that is seen, but of ${own[0].toLowerCase()}${own.slice(1)}.`;
     this.computation.offer(words, "Compute it anew", () => this.ask({ ...this.chart.seenOf(this.shown, this.shown.whole) }));
+  }
+
+  #offerPart() {
+    const { part } = this.chart;
+    if (!part || !this.instrument.zoomed) return this.computation.offer();
+    this.computation.offer("", part, () => this.ask(this.chart.seenOf(this.shown, this.instrument.view)));
   }
 
   /** Draw it in other colours. */

@@ -21,14 +21,14 @@ const FEW = 0.5;
 /** Where a range ends that begins at 0. */
 const LITTLE = 0.02;
 
-/** Parameters that a diagram may go over. @param {Oscillator} oscillator that is seen */
-function parametersOf({ model, harmonics }) {
+/** Parameters that a chart may go over. @param {Oscillator} oscillator that is seen */
+export function parametersOf({ model, harmonics }) {
   const own = NUMBERS.filter((name) => (ONLY_IN[name] ?? model) === model);
   return [...own, ...harmonicParameters(harmonics)];
 }
 
 /** Range of a parameter around its value: a phase goes once around, and no loss is more than all or less than none. */
-function around(parameter, value) {
+export function around(parameter, value) {
   if (parameter.startsWith("phase")) return [0, 1];
   if (parameter === "restitution") return [value * (1 - REACH), Math.min(value * (1 + REACH), 1)];
   if (value === 0) return [0, LITTLE];
@@ -54,8 +54,8 @@ export class Diagrams {
 
   /**
    * @param {import("./chart_panel.js").Page & {
-   *   paint: (name: string) => Paint, turn: (parameter: string, value: number) => void
-   * }} page `paint`: of a motion on the basin; `turn`: look at another value
+   *   paint: (name: string) => Paint, turn: (values: Object<string, number>) => void
+   * }} page `paint`: of a motion on the basin; `turn`: look at other values
    */
   constructor(page) {
     this.page = page;
@@ -104,7 +104,7 @@ export class Diagrams {
   }
 
   picked({ x }) {
-    this.page.turn(/** @type {DiagramScene} */ (this.panel.shown).parameter, Number(x.toPrecision(6)));
+    this.page.turn({ [/** @type {DiagramScene} */ (this.panel.shown).parameter]: Number(x.toPrecision(6)) });
   }
 
   /** @returns {Promise<DiagramScene>} */

@@ -100,11 +100,13 @@ export class Form {
     this.#edited();
   }
 
-  /** Set one number of the oscillator, as a slider or a diagram does. */
-  set(name, value) {
-    if (this.#field("vary").value === name) this.#field("vary").value = "";
-    if (NUMBERS.includes(name)) this.#field(name).value = value;
-    else this.#setHarmonic(name, value);
+  /** Set numbers of the oscillator, as a slider or a chart does. @param {Object<string, number>} values */
+  set(values) {
+    for (const [name, value] of Object.entries(values)) {
+      if (this.#field("vary").value === name) this.#field("vary").value = "";
+      if (NUMBERS.includes(name)) this.#field(name).value = value;
+      else this.#setHarmonic(name, value);
+    }
     this.#edited();
   }
 

@@ -39,14 +39,22 @@ export function diagramIn(text) {
   return { parameter, x: numbers.slice(0, 2), y: numbers.length === 4 ? numbers.slice(2) : null };
 }
 
-const FIELDS = { diagram: diagramIn, orbits: viewFrom, shares: viewFrom, power: viewFrom };
-const TEXTS = { diagram: diagramText, orbits: viewText, shares: viewText, power: viewText };
+/** A chart of two parameters: these, and the ranges that are seen. @param {string|null} text */
+export function parametersIn(text) {
+  const [first, second, ...ends] = (text ?? "").split(",");
+  const numbers = numbersIn(ends);
+  const known = [first, second].every((name) => NUMBERS.includes(name) || OF_HARMONICS.test(name)) && first !== second;
+  return known && numbers?.length === 4 ? { parameter: `${first},${second}`, x: numbers.slice(0, 2), y: numbers.slice(2) } : null;
+}
+
+const FIELDS = { diagram: diagramIn, orbits: viewFrom, parameters: parametersIn, shares: viewFrom, power: viewFrom };
+const TEXTS = { diagram: diagramText, orbits: viewText, parameters: diagramText, shares: viewText, power: viewText };
 
 /** Charts in an address, by name; null where it has none. @param {URLSearchParams} query @returns {SeenCharts} */
 export function chartsIn(query) {
   const found = Object.entries(FIELDS).map(([name, read]) => {
     const seen = read(query.get(name));
-    const job = ["diagram", "orbits"].includes(name) ? { job: query.get(`${name}_job`) } : {};
+    const job = ["diagram", "orbits", "parameters"].includes(name) ? { job: query.get(`${name}_job`) } : {};
     return [name, seen && { ...seen, ...job }];
   });
   return Object.fromEntries(found);
