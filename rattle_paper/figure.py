@@ -1,4 +1,4 @@
-"""A figure of the paper: the basins it needs, and the function that makes a sheet from them."""
+"""A figure of the paper: the jobs it needs, and the function that makes a sheet from their results."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -8,10 +8,14 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from rattle import BasinJob
+from rattle_chart.job import ChartJob
 from rattle_kernels import CellGrid
 
+Job = BasinJob | ChartJob
+"""What a figure may need."""
+
 Results = Mapping[str, xr.Dataset]
-"""Results of the basins that a figure needs, by name."""
+"""Results of the jobs that a figure needs, by name."""
 
 Report = Callable[[str, int, int], None]
 """Called with the current step, how much of it is done, and the total."""
@@ -50,8 +54,8 @@ class Printed:
         return {"what": self.what, "paper": self.value, "found": found}
 
 
-def no_basins(grid: CellGrid) -> dict[str, BasinJob]:
-    """No basins, for a figure that shows none."""
+def no_jobs(grid: CellGrid) -> dict[str, Job]:
+    """No jobs, for a figure that shows no basin."""
     return {}
 
 
@@ -66,9 +70,9 @@ class PaperFigure:
     shows : str
         What it shows, in one line.
     make : callable
-        Draws the sheet. It takes the results, by the names that `basins` gives them.
-    basins : callable
-        Returns the jobs that the figure needs, by name, for a given grid. Each is a single basin or a sweep.
+        Draws the sheet. It takes the results, by the names that `jobs` gives them.
+    jobs : callable
+        Returns the jobs that the figure needs, by name, for a given grid of basins.
     printed : tuple of Printed
         What the paper prints of it in numbers.
     """
@@ -76,5 +80,5 @@ class PaperFigure:
     name: str
     shows: str
     make: Callable[[Results, Report], Sheet]
-    basins: Callable[[CellGrid], dict[str, BasinJob]] = no_basins
+    jobs: Callable[[CellGrid], Mapping[str, Job]] = no_jobs
     printed: tuple[Printed, ...] = ()

@@ -3,6 +3,7 @@
 import io
 import json
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ from PIL import Image
 
 from rattle import BasinJob, Progress, compute
 from rattle_kernels import CellGrid
-from rattle_paper.figure import PaperFigure, Report, Results, Sheet
+from rattle_paper.figure import Job, PaperFigure, Report, Results, Sheet
 
 _DIGITS = 12
 
@@ -28,8 +29,10 @@ class Produced:
     printed: list[dict[str, Any]]
 
 
-def store_name(job: BasinJob) -> str:
+def store_name(job: Job) -> str:
     """File name of a job's store. It is readable, and the same in all figures, so that they share the store."""
+    if not isinstance(job, BasinJob):
+        return f"{job.kind}-{job.digest[:8]}.zarr"
     damping, eccentricity, half_backlash, stiffness, *_ = job.oscillator
     contact = "impacting" if math.isinf(stiffness) else f"kappa{stiffness:g}"
     cells = f"{job.grid.time_cells}x{job.grid.velocity_cells}"
@@ -62,17 +65,17 @@ def produce(
     OSError
         If the folder cannot be written.
     """
-    jobs = figure.basins(grid)
+    jobs = figure.jobs(grid)
     folder.mkdir(parents=True, exist_ok=True)
     sheet = figure.make(_computed(jobs, folder, report, workers, scheduler), report)
     return _write(figure, sheet, folder)
 
 
-def _computed(jobs: dict[str, BasinJob], folder: Path, report: Report, workers: int, scheduler: str | None) -> Results:
-    """Results of the basins, one computed after another."""
+def _computed(jobs: Mapping[str, Job], folder: Path, report: Report, workers: int, scheduler: str | None) -> Results:
+    """Results of the jobs, one computed after another."""
     results = {}
     for number, (name, job) in enumerate(jobs.items(), 1):
-        before = f"basin {number} of {len(jobs)}, {name}: " if len(jobs) > 1 else ""
+        before = f"{job.kind} {number} of {len(jobs)}, {name}: " if len(jobs) > 1 else ""
 
         def report_tiles(progress: Progress, before: str = before) -> None:
             report(f"{before}{progress.stage}", progress.tiles_done, progress.tiles_total)

@@ -20,6 +20,7 @@ from rattle_paper.figures.fig17 import FIG17
 from rattle_paper.figures.machine import MACHINE, MACHINE_SOFT
 from rattle_paper.figures.machine_sweep import MACHINE_SWEEP
 from rattle_paper.figures.proven import PROVEN
+from rattle_paper.figures.sequel import SEQUEL
 
 _IN_ORDER = (
     FIG1, FIG2, FIG3, FIG4, FIG5, FIG6, FIG7, FIG8, FIG9, FIG10, FIG11, FIG12, FIG13, FIG14, FIG15, FIG16, FIG17,
@@ -27,9 +28,9 @@ _IN_ORDER = (
 
 PAPER_FIGURES: dict[str, PaperFigure] = {figure.name: figure for figure in _IN_ORDER}
 ALL_FIGURES = PAPER_FIGURES | {
-    figure.name: figure for figure in (MACHINE, MACHINE_SOFT, MACHINE_SWEEP, ASSEMBLY, PROVEN)
+    figure.name: figure for figure in (MACHINE, MACHINE_SOFT, MACHINE_SWEEP, ASSEMBLY, PROVEN, SEQUEL)
 }
-"""Figures of the paper, of the machine at dampings that it could not reach, of two eccentric gears, and of proofs."""
+"""Figures of the paper, of machines at dampings that it could not reach, of two gears, of proofs, and of its sequel."""
 
 
 def figure_named(name: str) -> PaperFigure:

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from rattle import BasinJob
+from rattle import BasinJob, SweepJob
 from rattle.pictures import SYMBOLS
 from rattle_kernels import CellGrid
 from rattle_paper.figure import PaperFigure, Report, Results, Sheet
@@ -19,7 +19,8 @@ def _basins(grid: CellGrid) -> dict[str, BasinJob]:
     """Each of the basins once: Fig. 7 (bottom) is the last of Fig. 8 and the middle one of Fig. 9."""
     jobs = {}
     for figure, left_out in ((FIG8, 0.1), (FIG9, None)):
-        (sweep,) = figure.basins(grid).values()
+        (sweep,) = figure.jobs(grid).values()
+        assert isinstance(sweep, SweepJob)
         (swept,) = sweep.vary
         for number, value in enumerate(swept.values):
             if value != left_out:

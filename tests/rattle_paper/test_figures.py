@@ -9,7 +9,7 @@ from matplotlib.image import imread
 
 from rattle import local
 from rattle_kernels import CellGrid, Oscillator, next_impacts
-from rattle_paper.figures import assembly, fig1, fig11, fig17, machine, machine_sweep
+from rattle_paper.figures import assembly, fig1, fig11, fig17, machine, machine_sweep, sequel
 from rattle_paper.production import produce, store_name
 from rattle_paper.registry import PAPER_FIGURES, figure_named
 from worker.errors import InvalidJob, JobCancelled
@@ -234,7 +234,7 @@ def test_a_figure_that_is_stopped_goes_on_where_it_was(tmp_path):
     with pytest.raises(JobCancelled, match="enough"):
         produced("fig6", tmp_path, stop_at_the_second)
     assert not list(tmp_path.glob("fig6.*"))
-    first = tmp_path / store_name(figure_named("fig6").basins(SMALL)["kappa 1e2"])
+    first = tmp_path / store_name(figure_named("fig6").jobs(SMALL)["kappa 1e2"])
     before = {path: path.stat().st_mtime_ns for path in first.rglob("*")}
     assert before and len(produced("fig6", tmp_path)["panels"]) == 4
     assert {path: path.stat().st_mtime_ns for path in first.rglob("*")} == before
@@ -263,7 +263,7 @@ def test_the_assembly_angle_decides_how_much_is_quiet(folder, monkeypatch):
     for name, share, error in (("worst", quiet[2], told["quiet_error"][2]), ("best", quiet[1], told["quiet_error"][1])):
         # A sample of 512 and a grid of 3600, each of which misses the area by its own error.
         assert abs(shares(told["panels"][name])["permanent contact"] - share) < 5 * error
-    one_gear, *others = (store_name(job) for job in figure_named("assembly").basins(SMALL).values())
+    one_gear, *others = (store_name(job) for job in figure_named("assembly").jobs(SMALL).values())
     assert len({one_gear, *others}) == 4
 
 
@@ -278,3 +278,20 @@ def test_quiet_of_the_machine_grows_with_damping_and_falls_with_eccentricity(fol
     for panel in panels:
         assert panel["undecided"] == 0.0 and 0.0 < panel["proven_quiet_below"]
         assert panel["least_rattle"] is None or panel["least_rattle"] > panel["proven_quiet_below"]
+
+
+def test_chaos_of_the_sequel_begins_at_its_graze_and_grows_like_the_root_of_the_distance(folder, monkeypatch):
+    monkeypatch.setattr(sequel, "_PIXELS", 2)
+    monkeypatch.setattr(sequel, "_DISTANCES", (1e-8, 1e-6, 3e-5))
+    told = produced("sequel", folder)
+    assert told["points"]["neutral graze"] == pytest.approx([0.7601647632, 0.0957060530], abs=1e-9)
+    assert told["points"]["saddle-node and graze"] == pytest.approx([0.770147130934, 0.097890812717], abs=1e-11)
+    assert told["graze"]["scenario"] == "persists" and told["graze"]["damping"] == pytest.approx(0.764661554, abs=1e-9)
+    for row in told["chaos"]:
+        # Terms of the size of the push are left out: relative to the turn's own size, 20 times the root of the depth.
+        left_out = 20.0 * math.sqrt(row["distance"]) + 5.0 * row["exponent_error"]
+        assert row["exponent"] == pytest.approx(row["leading_exponent"], rel=left_out) and row["exponent"] > 0.0
+    # Up to the powers of the multipliers between two impacts, which are whole numbers of turns.
+    assert told["size_grows_with_the_power"] == pytest.approx(0.5, abs=0.1)
+    assert told["sides"]["above"].keys() == {"permanent contact", "P(1,1,0)"}
+    assert told["sides"]["below"].keys() == {"permanent contact", "chaotic"}
