@@ -13,7 +13,7 @@ COMMAND = (
     "Chart two parameters: curves of special points, points of codimension two, and what machines do.",
     (
         "rattle chart --damping 0.75:0.78 --eccentricity 0.094:0.0995 --half-backlash 0.6 --out c.zarr",
-        "rattle chart --damping 0.5:0.7 --eccentricity 0.08:0.12 --longest 4 --out wide.zarr",
+        "rattle chart --damping 0.5:0.7 --eccentricity 0.08:0.12 --out wide.zarr",
     ),
 )
 """``rattle chart``: the entry point `chart` of `rattle.commands` names it."""

@@ -29,6 +29,16 @@ REPORT = {
     "numbers": {"backlash": [0.11, 0.13]},
     "machines": 64,
 }  # fmt: skip
+CHART = {
+    "first": {"parameter": "damping", "start": 0.75, "stop": 0.78},
+    "second": {"parameter": "eccentricity", "start": 0.094, "stop": 0.0995},
+    "longest": 1,
+    "lines": 1,
+    "cells": 8,
+    "pixels": 2,
+    "departures": 6,
+}
 ROUTES = {
     "bifurcations": DIAGRAM, "orbits": ORBITS, "manifolds": MANIFOLD, "grazing-curves": GRAZING, "reports": REPORT,
+    "charts": CHART,
 }  # fmt: skip

@@ -195,9 +195,11 @@ def test_its_result_and_its_picture_say_the_same(store):
     assert {(point.kind, point.orbit) for point in told.points} == {
         ("neutral graze", "P(1,1,0)"), ("saddle-node and graze", "P(1,1,0)"),
     }  # fmt: skip
-    axes = CHART.figure(str(store)).axes[0]
+    figure = CHART.figure(str(store))
+    axes = figure.axes[0]
     assert axes.get_xlim() == (0.75, 0.78) and axes.get_ylim() == (0.094, 0.0995)
-    listed = {text.get_text() for text in axes.get_legend().get_texts()}
+    listed = {text.get_text() for text in figure.legends[0].get_texts()}
+    assert {text.get_text() for text in axes.texts} == {curve.orbit for curve in told.curves}
     assert {f"{curve.kind} of {curve.orbit}" for curve in told.curves} <= listed
     assert {point.kind for point in told.points} <= listed
 

@@ -11,7 +11,7 @@ import xarray as xr
 from rattle_kernels import CellGrid, Oscillator
 from rattle_kernels.lanes import run as lanes_run
 from rattle_kernels.orbits import bifurcation_diagram
-from tests.analysis_requests import REPORT
+from tests.analysis_requests import CHART, REPORT
 from tests.watched_run import Watch, run_watched
 from worker import estimate as estimates
 from worker.analyses.bifurcation import plan
@@ -107,6 +107,7 @@ def test_every_kind_has_an_estimate(kind):
         "bifurcation": {"vary": {"parameter": "damping", "values": [0.6]}},
         "manifold": {"saddles": [{"itinerary": "P(1,1,0)"}]},
         "report": REPORT,
+        "chart": CHART,
     }.get(kind, {})
     found = estimate(KINDS[kind].job_class.from_request(fields))
     assert found.seconds > 0 and found.bytes > 0 and "before compression" in str(found)

@@ -5,7 +5,7 @@ import threading
 
 import pytest
 
-from tests.analysis_requests import DIAGRAM, GRAZING, MANIFOLD, ORBITS, REPORT
+from tests.analysis_requests import CHART, DIAGRAM, GRAZING, MANIFOLD, ORBITS, REPORT
 from tests.object_store import BUCKET
 from worker.cluster.driver import Driver
 from worker.errors import LeaseLost
@@ -26,6 +26,7 @@ REQUESTS = {
     "manifold": MANIFOLD,
     "grazing_curve": GRAZING,
     "report": REPORT,
+    "chart": CHART,
 }
 
 

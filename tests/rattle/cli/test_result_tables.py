@@ -34,18 +34,23 @@ def test_orders_of_a_grazing_curve(capsys):
     assert what_is_missing("grazing_curve", {"orders": orders[:1]}) is None
 
 
+GRAZING = {"kind": "grazing", "graze": {"scenario": "folds"}, "residual": 5e-14}
+
+
 def test_orbits_their_branches_special_points_and_curves(capsys):
     point = {"kind": "saddle-node", "value": 0.57512345678, "orbit": "P(1,1,0)", "branch": 1, "error": 3e-12}
     branch = {"orbit": 1, "points": 77, "ends": [{"message": "it folds"}, {"message": "it grazes"}]}
     lines = printed(
         capsys, "orbits", orbits=[ORBIT, TURNING | {"attracts": True}, TURNING], branches=[branch],
-        special_points=[point | {"residual": 4e-14}], curves=[{"special_point": 5, "points": 66, "ends": ["a", "b"]}],
+        special_points=[point | {"residual": 4e-14, "graze": None}, point | GRAZING],
+        curves=[{"special_point": 5, "points": 66, "ends": ["a", "b"]}],
     )  # fmt: skip
     assert "0 P(1,1,0) 0.6017000000 3.7700000000 3.25 0.5 2e-15" in lines and "saddle 0.125" in lines
     assert "1 P(2,2,1) 0.6017000000 3.7700000000 0.5+0.25i 0.5 2e-15" in lines
     assert "attracts 0.5-0.25i" in lines and "unstable 0.5-0.25i" in lines
     assert "branch 0 of P(2,2,1), 77 points: it folds; it grazes" in lines
     assert "0 saddle-node 0.57512345678 P(1,1,0) 1 3e-12 4e-14" in lines
+    assert "1 grazing, folds 0.57512345678 P(1,1,0) 1 3e-12 5e-14" in lines
     assert "curve of special point 5, 66 points: a; b" in lines
 
 

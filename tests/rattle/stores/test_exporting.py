@@ -9,8 +9,9 @@ import pandas as pd
 import pytest
 
 import rattle
+from rattle_chart.job import ChartJob
 from rattle_machine.job import ReportJob
-from tests.analysis_requests import REPORT
+from tests.analysis_requests import CHART, REPORT
 from worker.errors import InvalidJob, JobCancelled, StoreConflict
 from worker.kinds import KINDS
 
@@ -21,6 +22,7 @@ RUNS = {
     "orbits": lambda **here: rattle.orbits(damping=0.6, longest=1, cells=8, **here),
     "manifold": lambda **here: rattle.manifolds(damping=0.6, saddles=[(0.6017, 3.7699)], arclength=2, **here),
     "grazing_curve": lambda **here: rattle.grazing_curve(damping=0.6, order=1, **here),
+    "chart": lambda **here: rattle.compute(ChartJob(**CHART), **here),
     "report": lambda **here: rattle.compute(ReportJob(**REPORT), **here),
 }
 assert RUNS.keys() == KINDS.keys()

@@ -4,7 +4,7 @@ import jsonschema_rs
 import pytest
 
 from service.openapi import document
-from tests.analysis_requests import REPORT
+from tests.analysis_requests import CHART, REPORT
 from worker.jobs.preview_request import PreviewRequest
 from worker.jobs.trajectory_request import TrajectoryRequest
 from worker.kinds import KINDS
@@ -151,6 +151,7 @@ WHOLE = {
     "manifolds": {"saddles": [SEED | {"period": 2}], "most_points": 1000, "cells": 20},
     "grazing-curves": {"order": 3, "most_points": 1000},
     "reports": REPORT,
+    "charts": CHART,
 }  # fmt: skip
 
 

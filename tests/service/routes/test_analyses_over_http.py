@@ -1,4 +1,4 @@
-"""Diagrams, orbits, manifolds, grazing curves and reports over HTTP, as a client sees them, and what is refused."""
+"""Diagrams, orbits, manifolds, curves, reports and charts over HTTP, as a client sees them, and what is refused."""
 
 import json
 
@@ -113,7 +113,7 @@ def test_a_shell_submits_every_kind_and_prints_what_was_found(service, finished,
     answer = CliRunner().invoke(app, command)
     assert answer.exit_code == 0, answer.output
     told = {"bifurcations": "permanent contact", "orbits": "0.59971576259", "manifolds": "3.7699111843"}
-    told["reports"] = "the machine can run quietly"
+    told |= {"reports": "the machine can run quietly", "charts": "saddle-node and graze"}
     assert job["id"] in answer.output and told.get(route, "vertices") in answer.output
 
 

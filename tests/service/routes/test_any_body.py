@@ -69,7 +69,7 @@ def sent(value):
 
 
 @pytest.mark.parametrize("path", ["basins", "sweeps", "bifurcations", "orbits", "manifolds", "grazing-curves", "checks",
-    "trajectories", "previews", "reports", "machines"])  # fmt: skip
+    "trajectories", "previews", "reports", "charts", "machines"])  # fmt: skip
 @given(body=BODIES)
 @settings(max_examples=10, deadline=None, suppress_health_check=list(HealthCheck))
 @example(body={"vary": [{"parameter": "\ud800", "values": [1]}]})
@@ -104,7 +104,7 @@ def test_any_json_is_answered_below_500(service, path, body):
 
 def test_these_are_all_routes_that_take_a_body(service):
     assert [path.removeprefix("/v1/") for path in paths_with_bodies(service)] == sorted(
-        ["basins", "sweeps", "bifurcations", "orbits", "manifolds", "grazing-curves", "reports", "checks",
+        ["basins", "sweeps", "bifurcations", "orbits", "manifolds", "grazing-curves", "reports", "charts", "checks",
          "machines", "trajectories", "previews"]
     )  # fmt: skip
 

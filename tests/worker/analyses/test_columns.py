@@ -5,9 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rattle_kernels import SpecialKind
+from rattle_kernels import Oscillator, SpecialKind, graze_kind
+from tests.rattle_kernels.orbits.grazes import BETWEEN, graze_of_single_contact
 from worker.analyses.curves import PIECES
-from worker.analyses.orbit_tables import CURVES, ORBITS, SPECIALS, branch_table
+from worker.analyses.orbit_tables import CURVES, ORBITS, SPECIALS, branch_table, summarise_specials
 
 NAN = np.nan
 
@@ -19,7 +20,7 @@ def numbers(seed, *shape):
 
 def special(seed, contacts):
     return SimpleNamespace(
-        kind=list(SpecialKind)[seed], value=1.0 + seed, error=2.0 + seed, residual=3.0 + seed,
+        kind=list(SpecialKind)[seed], value=1.0 + seed, oscillator=Oscillator(), error=2.0 + seed, residual=3.0 + seed,
         forcing_periods=10 + seed, upper_contacts=contacts, lower_contacts=30 + seed,
         t=numbers(40 + seed, contacts), v=numbers(50 + seed, contacts),
         multipliers=numbers(60 + seed, 2) + 1j * numbers(70 + seed, 2),
@@ -32,10 +33,11 @@ def padded(*rows):
                      for row in rows])  # fmt: skip
 
 
-def demand(table, objects, expected, filled_elsewhere=()):
-    """The columns of the objects are those that are expected, and there are no others."""
+def demand(table, objects, expected, filled_elsewhere=(), without=()):
+    """The columns of the objects are those that are expected, and those that say nothing of them; no others."""
     found = table.of(objects)
-    assert set(found) == set(expected)
+    assert set(found) == {*expected, *without}
+    assert all(value == "" or np.isnan(value) for name in without for value in found[name].ravel())
     assert {column.name for column in table.columns} - set(found) == set(filled_elsewhere)
     for name, values in expected.items():
         np.testing.assert_array_equal(found[name], np.asarray(values, found[name].dtype), err_msg=name)
@@ -46,25 +48,38 @@ def demand(table, objects, expected, filled_elsewhere=()):
 
 
 def test_special_points():
-    one, two = special(0, 2), special(2, 3)
+    one, two = special(0, 2), special(1, 3)
     demand(
         SPECIALS,
         [one, two],
         {
-            "special_kind": [1, 3],
-            "special_value": [1.0, 3.0],
-            "special_error": [2.0, 4.0],
-            "special_residual": [3.0, 5.0],
-            "special_forcing_periods": [10, 12],
+            "special_kind": [1, 2],
+            "special_value": [1.0, 2.0],
+            "special_error": [2.0, 3.0],
+            "special_residual": [3.0, 4.0],
+            "special_forcing_periods": [10, 11],
             "special_upper_contacts": [2, 3],
-            "special_lower_contacts": [30, 32],
+            "special_lower_contacts": [30, 31],
             "special_time": padded(one.t, two.t),
             "special_velocity": padded(one.v, two.v),
             "special_multiplier_real": [one.multipliers.real, two.multipliers.real],
             "special_multiplier_imaginary": [one.multipliers.imag, two.multipliers.imag],
         },
         filled_elsewhere=["special_branch"],
+        without=["special_turn", "special_beyond", "special_beyond_value"],
     )
+
+
+def test_a_graze_has_its_turn_and_the_orbit_beside_it():
+    point = graze_of_single_contact(BETWEEN)
+    found, kind = SPECIALS.of([point]), graze_kind(point)
+    assert found["special_turn"].tolist() == [kind.monodromy.tolist()]
+    assert found["special_beyond"].tolist() == ["P(1,1,1)"]
+    ((beyond,),) = (found["special_beyond_value"],)
+    assert (beyond > point.value) == (kind.hits > 0)
+    (told,) = summarise_specials(found | {"special_branch": np.array([0])}, "damping")
+    assert told.graze.scenario == kind.scenario and told.graze.response == kind.response
+    assert told.graze.small_attractor_follows and "a small attractor takes its place at once" in told.graze.says
 
 
 def test_curves_of_special_points():

@@ -81,6 +81,8 @@ BRANCHES = {
     # Values between those of branches; each kind has a mark of its own.
     "special_kind": np.array([2, 1, 3, 4, 5, 6]), "special_value": np.array([0.51, 0.52, 0.53, 0.54, 0.56, 0.57]),
     "special_velocity": np.array([[3.1, NAN], [3.2, 4.2], [3.3, NAN], [3.4, NAN], [3.6, NAN], [3.7, NAN]]),
+    # A turn only where one grazes: N_12 and det(I - N) are positive.
+    "special_turn": np.array([[[0.5, 0.25], [0.0, 0.5]] if row == 2 else [[NAN, NAN]] * 2 for row in range(6)]),
 }  # fmt: skip
 CURVES = {
     "curve_special": np.array([1, 0]), "curve_size": np.array([2, 3]),
@@ -117,6 +119,14 @@ def test_branches_are_thick_where_they_attract_and_special_points_have_the_mark_
     for marker, (kind, points) in marked.items():
         assert lines(axes, marker=marker, colour="black") == [(kind.value, points)]
     assert axes.get_xlabel().startswith("damping")
+
+
+def test_a_graze_that_is_a_fold_is_filled():
+    folding = {"special_turn": np.where(np.isnan(BRANCHES["special_turn"]), NAN, [[0.5, -0.25], [0.0, 0.5]])}
+    axes = drawn(draw_orbits, orbits_job(continuation="damping"), ORBITS | BRANCHES | folding).axes[0]
+    assert lines(axes, marker="^") == [("grazing, a fold", [[0.53, 3.3]])]
+    (mark,) = (line for line in axes.lines if line.get_marker() == "^")
+    assert mark.get_fillstyle() == "full"
 
 
 def test_curves_lie_in_the_plane_of_their_two_parameters_below_the_branches():

@@ -14,7 +14,7 @@ import { curvesOf, fieldIn, FIELDS, shadesOf } from "./parameter_field.js";
 import { swatch } from "./swatch.js";
 
 const KIND = "chart";
-/** A chart of this size takes some ten seconds. */
+/** Coarser than usual, as one click asks for it. */
 const SIZE = { lines: 2, longest: 2, pixels: 32, departures: 12 };
 const COLOURS = {
   "saddle-node": "#1f4fd8", "period doubling": "#b3261e", grazing: "currentColor", "contact loss": "#7a5c00", "upper grazing": "#6b3fa0", release: "#00695c",
