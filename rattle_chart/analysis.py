@@ -50,7 +50,7 @@ from rattle_kernels.orbits.closure import OrbitShape
 from rattle_kernels.orbits.graze_kind import graze_response, touch_monodromy
 from rattle_kernels.orbits.periodic_orbit import orbit_name
 from worker.analyses.analysis import Analysis, AnalysisView, Parts, Piece, Plan, in_order, ready_of
-from worker.analyses.orbit_tables import SPECIALS, distinct, specials_of
+from worker.analyses.orbit_tables import SPECIALS, distinct, flags_of_words, specials_of
 from worker.jobs.region import Region
 from worker.jobs.swept_parameter import Parameter
 from worker.pictures.symbols import in_words, oscillator_text
@@ -151,13 +151,6 @@ class ChartCurve(NamedTuple):
         return _SAYS[self.kind].format(orbit=self.orbit) + after
 
 
-def _flags(kinds: Sequence[Any]) -> dict[str, Any]:
-    return {
-        "flag_values": list(range(1, len(kinds) + 1)),
-        "flag_meanings": " ".join(kind.replace(" ", "_") for kind in kinds),
-    }
-
-
 _LINE, _SIZE = "curve_point", {"sample_dimension": "curve_point"}
 
 
@@ -166,8 +159,8 @@ def curve_table(first: str, second: str) -> Table:
     """Table of the curves in two parameters."""
     return Table("curve", (
         Column(
-            "curve_kind", int8, "what happens along it", lambda curve: _KINDS.index(curve.kind) + 1, _flags(_KINDS),
-            fill=0,
+            "curve_kind", int8, "what happens along it", lambda curve: _KINDS.index(curve.kind) + 1,
+            flags_of_words(_KINDS), fill=0,
         ),
         Column("curve_forcing_periods", int32, "m of its orbit P(m, n+, n-)"),
         Column("curve_upper_contacts", int32, "n+ of its orbit"),
@@ -191,8 +184,8 @@ def point_table(first: str, second: str) -> Table:
     """Table of the points of codimension two in two parameters."""
     return Table("point", (
         Column(
-            "point_kind", int8, "what happens there", lambda point: _POINTS.index(point.kind) + 1, _flags(_POINTS),
-            fill=0,
+            "point_kind", int8, "what happens there", lambda point: _POINTS.index(point.kind) + 1,
+            flags_of_words(_POINTS), fill=0,
         ),
         Column("point_order", int32, "p of a resonant graze, else 1"),
         Column("point_turns", int32, "k of a resonant graze, whose multipliers have the angle k pi/p; else 0"),
@@ -266,8 +259,7 @@ def search_line(
     """Special points of the orbits that are found at some machines of a line."""
     found: list[tuple[SpecialPoint, int]] = []
     orbits = 0
-    for part in (np.arange(STARTS) + 0.5) / STARTS:
-        value = along.start + float(part) * (along.stop - along.start)
+    for value in along.middles(STARTS).tolist():
         try:
             here = check_oscillator(oscillator.at(**{along.parameter: value}))
         except OutsideDomain:
@@ -352,6 +344,20 @@ def _responses(curve: SpecialCurve, orbit: tuple[int, int, int], oscillator: Osc
     return found
 
 
+def map_row(
+    oscillator: Oscillator, along: ChartAxis, pixels: int, departures: int, region: Region, *, pause: Pause
+) -> Columns:
+    """What the machines along a row do."""
+
+    def machine(value: float) -> Oscillator | None:
+        try:
+            return check_oscillator(oscillator.at(**{along.parameter: value}))
+        except OutsideDomain:
+            return None
+
+    return machines_of_row(list(map(machine, along.middles(pixels).tolist())), departures, region, pause=pause)
+
+
 def machines_of_row(
     oscillators: Sequence[Oscillator | None], departures: int, region: Region, *, pause: Pause
 ) -> Columns:
@@ -406,28 +412,16 @@ def _follow(oscillator: Oscillator, starts: np.ndarray, own: int) -> _Seen:
         exponents += [] if orbit is None else [orbit.lyapunov_exponent]
     motion = max(names, key=lambda name: names[name], default=_QUIET)
     kept = np.concatenate([found, np.flatnonzero(chaotic)])[:_FOLLOWED]
-    sample = np.zeros(going.size, bool)
-    sample[np.flatnonzero(going)[lasts]] = True
-    quiet = 1.0 - float(sample[:own].mean()) if own else np.nan
+    fell_quiet = ends.outcome == Outcome.PERMANENT_CONTACT
+    fell_quiet[np.flatnonzero(going)[~lasts]] = True
+    quiet = float(fell_quiet[:own].mean()) if own else np.nan
     return _Seen(quiet, max(exponents, default=np.nan), motion, np.stack([t[kept], v[kept]]))
-
-
-def _values(axis: ChartAxis, count: int) -> np.ndarray:
-    """Middles of so many equal parts."""
-    return axis.start + (np.arange(count) + 0.5) / count * (axis.stop - axis.start)
-
-
-def _machine(job: ChartJob, first: float, second: float) -> Oscillator | None:
-    try:
-        return check_oscillator(job.oscillator.at(**{job.first.parameter: first, job.second.parameter: second}))
-    except OutsideDomain:
-        return None
 
 
 def _lines(job: ChartJob) -> Iterator[tuple[str, Piece]]:
     """A search along each line: those of the first parameter, then those of the second."""
     for turned, (along, across) in enumerate(((job.first, job.second), (job.second, job.first))):
-        for n, value in enumerate(_values(across, job.lines).tolist()):
+        for n, value in enumerate(across.middles(job.lines).tolist()):
             oscillator = job.oscillator.at(**{across.parameter: value})
             arguments = (oscillator, along, job.longest, job.region, job.cells)
             yield along.parameter, Piece(f"line-{turned}-{n:05d}", search_line, arguments)
@@ -456,15 +450,13 @@ def plan(job: ChartJob, parts: Parts) -> Plan:
     tracing = ready_of(Stage.TRACING, curves, parts)
     if tracing.done < tracing.total:
         return tracing
-    firsts = _values(job.first, job.pixels).tolist()
     rows = [
         Piece(
-            f"row-{n:05d}",
-            machines_of_row,
-            ([_machine(job, first, second) for first in firsts], job.departures, job.region),
+            f"row-{n:05d}", map_row,
+            (job.oscillator.at(**{job.second.parameter: second}), job.first, job.pixels, job.departures, job.region),
         )
-        for n, second in enumerate(_values(job.second, job.pixels).tolist())
-    ]
+        for n, second in enumerate(job.second.middles(job.pixels).tolist())
+    ]  # fmt: skip
     return ready_of(Stage.MAPPING, rows, parts)
 
 
@@ -484,33 +476,20 @@ def _curves_in(job: ChartJob, columns: Columns) -> list[ChartCurve]:
     ]  # fmt: skip
 
 
-class _Point(NamedTuple):
-    """A row of the table of points of codimension two."""
-
-    kind: CodimensionTwo
-    order: int
-    turns: int
-    values: tuple[float, float]
-    upper_contacts: int
-    orbit: str
-    residual: float
-    error: float
-
-    @property
-    def says(self) -> str:
-        return _EXPLAINS[self.kind].format(orbit=self.orbit, turns=self.turns, order=self.order)
-
-
-def _points_in(job: ChartJob, columns: Columns) -> list[_Point]:
+def _points_in(job: ChartJob, columns: Columns) -> list[ChartPointView]:
     first, second = _parameters(job)
-    return [
-        _Point(
-            _POINTS[row.kind - 1], row.order, row.turns, (getattr(row, first), getattr(row, second)),
-            row.upper_contacts, orbit_name(row.forcing_periods, row.upper_contacts, row.lower_contacts), row.residual,
-            row.error,
-        )
-        for row in point_table(first, second).rows(columns)
-    ]  # fmt: skip
+    found = []
+    for row in point_table(first, second).rows(columns):
+        orbit = orbit_name(row.forcing_periods, row.upper_contacts, row.lower_contacts)
+        kind = _POINTS[row.kind - 1]
+        says = _EXPLAINS[kind].format(orbit=orbit, turns=row.turns, order=row.order)
+        found.append(
+            ChartPointView(
+                kind=kind.value, order=row.order, turns=row.turns, values=(getattr(row, first), getattr(row, second)),
+                orbit=orbit, residual=row.residual, error=row.error, says=says,
+            )
+        )  # fmt: skip
+    return found
 
 
 def _regions(columns: Columns) -> list[RegionView]:
@@ -566,13 +545,13 @@ def _from_line(places: np.ndarray, line: np.ndarray) -> tuple[np.ndarray, np.nda
     return np.linalg.norm(places[:, None] - begin - part[..., None] * along, axis=2), part
 
 
-def _distinct_points(points: Sequence[_Point]) -> list[int]:
+def _distinct_points(points: Sequence[ChartPointView]) -> list[int]:
     """Places of points without repetitions."""
     kept: list[int] = []
     for place, point in enumerate(points):
 
-        def same(other: _Point, point: _Point = point) -> bool:
-            shapes = [(each.kind, each.order, each.turns, each.upper_contacts) for each in (point, other)]
+        def same(other: ChartPointView, point: ChartPointView = point) -> bool:
+            shapes = [(each.kind, each.order, each.turns, each.orbit) for each in (point, other)]
             apart = max(abs(one - two) for one, two in zip(point.values, other.values, strict=True))
             return shapes[0] == shapes[1] and apart < _SAME
 
@@ -606,7 +585,7 @@ def assemble(job: ChartJob, parts: Parts) -> Columns:
         curve_table(*names).of(curves)
         | {name: array[kept] for name, array in points.items()}
         | {"line_orbits": np.array(orbits, np.int64)}
-        | {names[0]: _values(job.first, job.pixels), names[1]: _values(job.second, job.pixels)}
+        | {axis.parameter: axis.middles(job.pixels) for axis in (job.first, job.second)}
         | field
     )
 
@@ -653,13 +632,7 @@ def summarise(job: ChartJob, columns: Columns) -> dict[str, Any]:
             )
             for curve in _curves_in(job, columns)
         ],
-        "points": [
-            ChartPointView(
-                kind=row.kind.value, order=row.order, turns=row.turns, values=row.values, residual=row.residual,
-                error=row.error, orbit=row.orbit, says=row.says,
-            )
-            for row in _points_in(job, columns)
-        ],
+        "points": _points_in(job, columns),
         "regions": _regions(columns),
         "lines_without_orbits": int((columns["line_orbits"] == 0).sum()),
     }  # fmt: skip
@@ -690,9 +663,9 @@ def plot_chart(axes: Axes, job: ChartJob, columns: Columns) -> None:
             listed.add(label)
         _name_curve(axes, job, curve)
     for point in _points_in(job, columns):
-        label = f"{point.kind.value}, {point.turns}/{point.order}" if point.order > 1 else point.kind.value
+        label = f"{point.kind}, {point.turns}/{point.order}" if point.order > 1 else point.kind
         axes.plot(
-            *point.values, _MARKERS[point.kind], color="white", markeredgecolor="black", markersize=8,
+            *point.values, _MARKERS[CodimensionTwo(point.kind)], color="white", markeredgecolor="black", markersize=8,
             label="_nolegend_" if label in listed else label,
         )  # fmt: skip
         listed.add(label)

@@ -88,7 +88,7 @@ def chart(
     >>> import rattle
     >>> found = rattle.chart(damping=(0.75, 0.78), eccentricity=(0.094, 0.0995), lines=2, pixels=0, progress=False)
     >>> found.point_damping.values.round(6).tolist()
-    [0.760165, 0.770147]
+    [0.770147, 0.760165]
     """
     numbers: dict[str, Any] = {
         "damping": damping, "eccentricity": eccentricity, "half_backlash": half_backlash, "stiffness": stiffness,

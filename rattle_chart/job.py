@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal
 
+import numpy as np
 from pydantic import ConfigDict, Field
 
 from rattle_kernels import Oscillator
@@ -12,8 +13,8 @@ from rattle_kernels.orbits.orbit_equations import check_followed
 from worker.errors import InvalidJob
 from worker.jobs.job import AnalysisJob, Sizes
 from worker.jobs.orbits_job import search_impacts
-from worker.jobs.region import Region
-from worker.jobs.request import Count, Real, Whole, as_real, in_schema
+from worker.jobs.region import Interval, Region
+from worker.jobs.request import Count, Whole, in_schema
 from worker.jobs.swept_parameter import Parameter, is_phase
 
 _EXAMPLE: dict[str, Any] = {
@@ -36,28 +37,22 @@ _FOLLOWED_ON = 0.25
 
 
 @dataclass(frozen=True)
-class ChartAxis:
+class ChartAxis(Interval):
     """A parameter of a chart, from where to where."""
 
     __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid", title="ChartAxisRequest")
 
     parameter: Parameter
-    start: Annotated[Real, Field(description="Lowest value")]
-    stop: Annotated[Real, Field(description="Highest value")]
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "start", as_real(self.start))
-        object.__setattr__(self, "stop", as_real(self.stop))
-
-    @property
-    def ends(self) -> tuple[float, float]:
-        """Lowest and highest value."""
-        return self.start, self.stop
 
     @property
     def middle(self) -> float:
         """Value in the middle."""
         return 0.5 * (self.start + self.stop)
+
+    def middles(self, count: int) -> np.ndarray:
+        """Middles of so many equal parts, shape (count,)."""
+        parts: np.ndarray = self.start + (np.arange(count) + 0.5) / count * (self.stop - self.start)
+        return parts
 
     def check(self, oscillator: Oscillator, place: str) -> None:
         """Check that the oscillator has the parameter, and that it may have all values.
@@ -128,6 +123,7 @@ class ChartJob(AnalysisJob):
         starts = 2 * self.lines * STARTS * self.cells**2 * self.longest
         return (
             ("cells times cells times longest, of six searches for each of the lines", starts, "max_orbit_starts"),
+            ("machines", self.pixels**2, "max_basins"),
             ("pixels times pixels times departures times departures", self._landings, "max_cells"),
         )
 

@@ -67,7 +67,7 @@ class Settings(ClusterSettings):
     max_samples: PositiveInt = Field(100_000, description="Most samples of one trajectory, not counting contacts")
     max_contacts: PositiveInt = Field(20_000, description="Contacts after which a trajectory is truncated")
     max_applications: PositiveInt = Field(100_000_000_000, description="Most cells times k of one basin")
-    max_basins: PositiveInt = Field(10_000, description="Most basins of a sweep")
+    max_basins: PositiveInt = Field(10_000, description="Most basins of a sweep, or machines of a chart")
     max_sweep_applications: PositiveInt = Field(1_000_000_000_000, description="Most cells times k of a whole sweep")
 
     max_values: PositiveInt = Field(1_000_000, description="Most values of the parameter of a bifurcation diagram")

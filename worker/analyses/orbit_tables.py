@@ -182,6 +182,14 @@ def summarise_branches(columns: Columns, parameter: str) -> list[BranchView]:
 _KINDS = tuple(SpecialKind)
 
 
+def flags_of_words(kinds: Sequence[str]) -> dict[str, Any]:
+    """CF attributes of an array of codes, which count from 1."""
+    return {
+        "flag_values": list(range(1, len(kinds) + 1)),
+        "flag_meanings": " ".join(kind.replace(" ", "_") for kind in kinds),
+    }
+
+
 def _turn(point: SpecialPoint) -> np.ndarray:
     """N of a graze, NaN for other points; and with finite stiffness, where branches pass a graze smoothly."""
     impacts = np.isinf(point.oscillator.stiffness)
@@ -197,10 +205,7 @@ def _beyond(point: SpecialPoint) -> tuple[str, float]:
     return ("", np.nan) if found is None else (found[1].name, found[0].value_of(point.parameter))
 
 
-_CODES = {
-    "flag_values": list(range(1, len(_KINDS) + 1)),
-    "flag_meanings": " ".join(kind.replace(" ", "_") for kind in _KINDS),
-}
+_CODES = flags_of_words(_KINDS)
 SPECIALS = Table("special", (
     Column("special_kind", int8, "what happens there", lambda point: _KINDS.index(point.kind) + 1, _CODES, fill=0),
     Column("special_branch", int32, "first branch that has it", None),
