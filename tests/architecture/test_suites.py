@@ -52,4 +52,11 @@ def test_what_ci_runs_includes_the_golden_stores_and_the_proofs():
     assert "make test-golden" in (ROOT / ".ci" / "run").read_text().splitlines()
     ran = re.search(r"^test-golden:.*\n((?:\t.*\n)+)", MAKEFILE, re.MULTILINE)[1].splitlines()
     assert ran[0].endswith("tests/golden") and (ROOT / "tests" / "golden").is_dir()
-    assert "-m 'proof and not slow'" in ran[1]
+    assert "-m 'proof and not slow and not planted'" in ran[1]
+
+
+def test_faults_planted_in_proofs_are_a_suite_of_their_own():
+    """Minutes each: a verb runs them all, and the golden and slow verbs none."""
+    for verb, of_planted in (("test-planted", "-m planted"), ("test-slow", "not planted"), ("test-golden", "not planted")):
+        ran = re.search(rf"^{verb}:.*\n((?:\t.*\n)+)", MAKEFILE, re.MULTILINE)[1]
+        assert of_planted in ran
