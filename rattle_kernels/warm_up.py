@@ -51,7 +51,8 @@ OF_ANALYSES = frozenset(
 FROM_PYTHON_ALONE = frozenset(
     {
         "basin_measures.entropy", "basin_measures.integrity", "basin_measures.uncertainty_exponent",
-        "impact_map.apply", "numerics.distance_transform", "orbits.graze_kind", "orbits.orbit_beyond_graze",
+        "impact_map.apply", "manifolds.tangency", "numerics.distance_transform", "orbits.graze_kind",
+        "orbits.orbit_beyond_graze",
     }
 )  # fmt: skip
 """Modules whose kernels a service compiles when they are first asked for: few ask for what they compute."""

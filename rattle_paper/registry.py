@@ -3,6 +3,7 @@
 from rattle import InvalidJob
 from rattle_paper.figure import PaperFigure
 from rattle_paper.figures.assembly import ASSEMBLY
+from rattle_paper.figures.crises import CRISES
 from rattle_paper.figures.fig1 import FIG1
 from rattle_paper.figures.fig2_fig3 import FIG2, FIG3
 from rattle_paper.figures.fig4 import FIG4
@@ -28,9 +29,10 @@ _IN_ORDER = (
 
 PAPER_FIGURES: dict[str, PaperFigure] = {figure.name: figure for figure in _IN_ORDER}
 ALL_FIGURES = PAPER_FIGURES | {
-    figure.name: figure for figure in (MACHINE, MACHINE_SOFT, MACHINE_SWEEP, ASSEMBLY, PROVEN, SEQUEL)
+    figure.name: figure for figure in (MACHINE, MACHINE_SOFT, MACHINE_SWEEP, ASSEMBLY, PROVEN, SEQUEL, CRISES)
 }
-"""Figures of the paper, of machines at dampings that it could not reach, of two gears, of proofs, and of its sequel."""
+"""Figures of the paper, of machines at dampings that it could not reach, of two gears, of proofs, of its sequel and of
+crises."""
 
 
 def figure_named(name: str) -> PaperFigure:

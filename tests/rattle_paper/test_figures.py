@@ -2,6 +2,7 @@
 
 import json
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,11 +10,12 @@ from matplotlib.image import imread
 
 from rattle import local
 from rattle_kernels import CellGrid, Oscillator, next_impacts
-from rattle_paper.figures import assembly, fig1, fig11, fig17, machine, machine_sweep, sequel
+from rattle_paper.figures import assembly, crises, fig1, fig11, fig17, machine, machine_sweep, sequel
 from rattle_paper.production import produce, store_name
 from rattle_paper.registry import PAPER_FIGURES, figure_named
 from worker.errors import InvalidJob, JobCancelled
 
+ROOT = Path(__file__).parents[2]
 SMALL = CellGrid(time_cells=60, velocity_cells=60)
 
 
@@ -295,3 +297,25 @@ def test_chaos_of_the_sequel_begins_at_its_graze_and_grows_like_the_root_of_the_
     assert told["size_grows_with_the_power"] == pytest.approx(0.5, abs=0.1)
     assert told["sides"]["above"].keys() == {"permanent contact", "P(1,1,0)"}
     assert told["sides"]["below"].keys() == {"permanent contact", "chaotic"}
+
+
+def test_chaos_lasts_longer_the_nearer_to_its_end_and_the_numbers_of_the_document_are_these(folder, monkeypatch):
+    monkeypatch.setattr(crises, "_IMPACTS", 5e7)
+    told = produced("crises", folder)
+    document = (ROOT / "docs" / "theory" / "crises.md").read_text()
+    for what, parameter, name in (
+        ("crisis", "damping", "delta"), ("homoclinic", "eccentricity", "eps"), ("birth", "damping", "delta"),
+    ):  # fmt: skip
+        assert f"| {name} = {told[what][parameter]:.11f} |" in document
+    for what in ("crisis", "homoclinic"):
+        assert "({:.7f}, {:.7f})".format(*told[what]["tip"]) in document
+        assert f"| {told[what]['exponent']:.3f}" in document and abs(told[what]["distance"]) < 1e-12
+    for rows in told["lives"].values():
+        seen = [row for row in rows if row["left"] >= 50]
+        assert len(seen) >= 2
+        for near, far in zip(seen[:-1], seen[1:], strict=True):
+            # At least in proportion to the distance, but for five errors of both.
+            errors = 5.0 * math.hypot(1.0 / math.sqrt(near["left"]), 1.0 / math.sqrt(far["left"]))
+            assert near["mean_life"] / far["mean_life"] > (far["distance"] / near["distance"]) ** 0.75 * (1.0 - errors)
+    values = np.array(told["curve"])
+    assert (np.diff(values[:, 0]) < 0.0).all() and len(values) == 21
