@@ -25,7 +25,7 @@ from rattle_kernels.impact_map.variations import Jacobian, multiply
 from rattle_kernels.manifolds.polyline import goes_on
 from rattle_kernels.manifolds.saddle import check_saddle, directions, is_saddle
 from rattle_kernels.manifolds.stable_manifold import ManifoldEnd, ManifoldLimits, unstable_manifold
-from rattle_kernels.model.domain import check_invertible
+from rattle_kernels.model.domain import check_impacting
 from rattle_kernels.model.grazing_curve import largest_grazing_speed
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.jit import kernel
@@ -182,7 +182,7 @@ def manifold_tips(
     ValueError
         If the saddle has no such branch.
     """
-    checked = check_invertible(oscillator)
+    checked = check_impacting(oscillator)
     scale = largest_grazing_speed(checked)
     branches = [(point, side) for point in range(saddle.upper_contacts) for side in (1, -1)]
     if only is not None and only not in branches:
@@ -230,7 +230,7 @@ def manifold_gap(oscillator: Oscillator, tip: ManifoldTip, saddle: PeriodicOrbit
     OutsideDomain, NotASaddle
         As for `stable_manifold`.
     """
-    checked, saddle = check_invertible(oscillator), check_saddle(saddle)
+    checked, saddle = check_impacting(oscillator), check_saddle(saddle)
     scale = np.array([1.0, largest_grazing_speed(checked)])
     first = _passage(checked, np.array([tip.t, tip.v]), saddle, scale)
     if first is None:
@@ -374,7 +374,7 @@ def find_tangency(
     """
     from scipy.optimize import brentq  # a third of a second of imports, for those alone who look for a tangency
 
-    checked = check_invertible(oscillator)
+    checked = check_impacting(oscillator)
     rising = _saddles(checked, check_saddle(unstable), parameter, bounds, pause)
     meeting = _saddles(checked, check_saddle(stable), parameter, bounds, pause)
 

@@ -11,6 +11,7 @@ from rattle_kernels import (
     NoTangency,
     Oscillator,
     Outcome,
+    OutsideDomain,
     find_orbits,
     find_saddle,
     find_tangency,
@@ -182,5 +183,7 @@ def test_what_is_no_tangency_says_why(crisis, saddles):
     )
     with pytest.raises(NoTangency, match="does not follow the stable manifold of P\\(1,1,0\\)"):
         find_tangency(CHAOS, touching, tip, quiet, "damping", (0.5275, 0.5285))
+    with pytest.raises(OutsideDomain, match="Eq. 8"):
+        manifold_tips(CHAOS.at(eccentricity=0.4), touching)
     with pytest.raises(NoTangency, match="lost at eccentricity = 0.2, after 0 values"):
         follow_tangency(crisis, "eccentricity", [0.2])
