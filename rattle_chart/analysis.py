@@ -1,10 +1,12 @@
 """A chart of two parameters as an analysis: special points, curves, points of codimension two, and what machines do.
 
-Lines are searched for special points. Curves are traced from each of them, points of codimension two are located on the
-curves, and further curves leave these.
+Lines are searched for special points. Curves are traced from them, points of codimension two are located on the curves,
+and further curves leave these.
 
-A curve crosses several lines, and is traced from each crossing. It is kept once: a curve lies on a longer one if
-Newton's method leads from that one's points to its own middle.
+A curve crosses several lines, and is traced once. A special point lies on a curve of its kind and orbit if Newton's
+method leads to it from the curve's points beside it. So those of one kind and orbit are traced one after another, and
+each that lies on a curve that was traced before is left out. Curves that leave points of codimension two are kept once
+by the same test, of their middle.
 """
 
 import math
@@ -64,6 +66,8 @@ _SAME, _NEAR = 1e-8, 1e-5
 # Next to a graze a curve that is seen from +beta stalls. A piece so short, as a part of the window, and so near to a
 # longer one of its kind and orbit is a part of that.
 _SHORT, _BESIDE = 0.1, 2e-3
+# A point that lies further from the polyline of a curve, as a part of the window, is not on it.
+_LINE_REACH = 0.05
 # So near to a point of codimension two, as a part of the window, a curve ends in it.
 _AT_END = 1e-3
 # More points of a curve than that follow the corrector's errors.
@@ -442,12 +446,7 @@ def plan(job: ChartJob, parts: Parts) -> Plan:
     searching = ready_of(Stage.SEARCHING, [piece for _, piece in _lines(job)], parts)
     if searching.done < searching.total:
         return searching
-    axes = job.first, job.second
-    curves = [
-        Piece(f"curve-{n:05d}", trace, (point, *(axes[::-1] if turned else axes), turned))
-        for n, (point, turned) in enumerate(_specials(job, parts))
-    ]
-    tracing = ready_of(Stage.TRACING, curves, parts)
+    tracing = _tracing(job, parts)
     if tracing.done < tracing.total:
         return tracing
     rows = [
@@ -458,6 +457,36 @@ def plan(job: ChartJob, parts: Parts) -> Plan:
         for n, second in enumerate(job.second.middles(job.pixels).tolist())
     ]  # fmt: skip
     return ready_of(Stage.MAPPING, rows, parts)
+
+
+def _tracing(job: ChartJob, parts: Parts) -> Plan:
+    """Trace of each kind and orbit the first special point that lies on no curve traced so far."""
+    axes, names = (job.first, job.second), _parameters(job)
+    points = _specials(job, parts)
+    traced: dict[tuple[Any, ...], list[ChartCurve]] = {}
+    ready: dict[tuple[Any, ...], Piece] = {}
+    done = 0
+    for n, (point, turned) in enumerate(points):
+        name, alone = f"curve-{n:05d}", _point_curve(point, names)
+        before = traced.setdefault(alone[:4], [])
+        if name in parts:
+            before.append(_curves_in(job, parts[name])[0])
+        elif alone[:4] in ready:
+            continue
+        elif not any(_is_on(job, alone, 0, curve) for curve in before):
+            arguments = (point, *(axes[::-1] if turned else axes), turned)
+            ready[alone[:4]] = Piece(name, trace, arguments)
+            continue
+        done += 1
+    return Plan(Stage.TRACING, tuple(ready.values()), done, len(points))
+
+
+def _point_curve(point: SpecialPoint, parameters: tuple[str, str]) -> ChartCurve:
+    """A special point as a curve of one point."""
+    first, second = (np.array([point.oscillator.value_of(name)]) for name in parameters)
+    orbit = point.forcing_periods, point.upper_contacts, point.lower_contacts
+    unknown = np.array([np.nan])
+    return ChartCurve(point.kind, *orbit, first, second, point.t[:1], point.v[:1], unknown, unknown, ("", ""))
 
 
 def _parameters(job: ChartJob) -> tuple[str, str]:
@@ -518,21 +547,30 @@ def _lies_on(job: ChartJob, curve: ChartCurve, other: ChartCurve) -> bool:
     if _reach(job, curve) < _SHORT:
         return bool(_from_line(places, line)[0].min(axis=1).max() < _BESIDE)
     middle = int(np.argmin(np.abs(places - 0.5 * (places.min(axis=0) + places.max(axis=0))).sum(axis=1)))
-    away, parts = _from_line(places[middle : middle + 1], line)
+    return _is_on(job, curve, middle, other)
+
+
+def _is_on(job: ChartJob, curve: ChartCurve, number: int, other: ChartCurve) -> bool:
+    """Whether a point of a curve lies on another one of the same kind and orbit."""
+    if other.t.size < 2:
+        return False
+    away, parts = _from_line(_places(job, curve)[number : number + 1], _places(job, other))
     piece = int(np.argmin(away[0]))
+    if away[0, piece] > _LINE_REACH:
+        return False
     part = float(parts[0, piece])
     turn = float(other.t[piece + 1] - other.t[piece])
     t = float(other.t[piece]) + part * (turn - round(turn))
     v = float(other.v[piece] + part * (other.v[piece + 1] - other.v[piece]))
     shape = OrbitShape(curve.forcing_periods, curve.upper_contacts, int(curve.kind == SpecialKind.GRAZING))
-    here = dict(zip(_parameters(job), (float(curve.first[middle]), float(curve.second[middle])), strict=True))
+    here = dict(zip(_parameters(job), (float(curve.first[number]), float(curve.second[number])), strict=True))
     for name in here:
         found = point_near(curve.kind, job.oscillator.at(**here), name, shape, t, v)
         if found is None or abs(found.value - here[name]) > _SAME:
             continue
-        apart = found.t - curve.t[middle]
+        apart = found.t - curve.t[number]
         # Which departure of an orbit comes first may differ.
-        if (np.abs(apart - np.rint(apart)) + np.abs(found.v - curve.v[middle])).min() < _NEAR:
+        if (np.abs(apart - np.rint(apart)) + np.abs(found.v - curve.v[number])).min() < _NEAR:
             return True
     return False
 
