@@ -291,8 +291,9 @@ def test_chaos_of_the_sequel_begins_at_its_graze_and_grows_like_the_root_of_the_
     assert told["graze"]["scenario"] == "persists" and told["graze"]["damping"] == pytest.approx(0.764661554, abs=1e-9)
     for row in told["chaos"]:
         # Terms of the size of the push are left out: relative to the turn's own size, 20 times the root of the depth.
-        left_out = 20.0 * math.sqrt(row["distance"]) + 5.0 * row["exponent_error"]
-        assert row["exponent"] == pytest.approx(row["leading_exponent"], rel=left_out) and row["exponent"] > 0.0
+        left_out = 20.0 * math.sqrt(row["distance"]) * row["leading_exponent"]
+        error = left_out + 5.0 * row["exponent_error"]
+        assert row["exponent"] == pytest.approx(row["leading_exponent"], abs=error) and row["exponent"] > 0.0
     # Up to the powers of the multipliers between two impacts, which are whole numbers of turns.
     assert told["size_grows_with_the_power"] == pytest.approx(0.5, abs=0.1)
     assert told["sides"]["above"].keys() == {"permanent contact", "P(1,1,0)"}
