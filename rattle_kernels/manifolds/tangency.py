@@ -428,12 +428,19 @@ def follow_tangency(
     ------
     NoTangency
         Naming the first value at which it was not found. A smaller step may help, or it has ended.
+    ValueError
+        If the second parameter is the first.
     """
     first = tangency.parameter
+    if parameter == first:
+        raise ValueError(f"the second parameter must be another than the first, {first}")
     found: list[Tangency] = []
     last = tangency
     for value in np.asarray(values, np.float64).tolist():
         ends = last.oscillator.value_of(parameter), value
+        if ends[0] == value:
+            found.append(last)
+            continue
         here = last.oscillator.at(**{parameter: value})
         try:
             unstable, stable = (

@@ -108,7 +108,7 @@ def _events() -> dict[str, _Event]:
     }  # fmt: skip
 
 
-def _mean_life(event: _Event, distance: float, impacts: float) -> tuple[float, int]:
+def _mean_life(event: _Event, distance: float, impacts: float) -> tuple[float | None, int]:
     """Impacts a motion stays in chaos, on average, and how many left it of those that were followed."""
     oscillator = event.oscillator.at(**{event.parameter: event.value + event.sign * distance})
     n = np.arange(60 * _MOTIONS)
@@ -133,10 +133,10 @@ def _mean_life(event: _Event, distance: float, impacts: float) -> tuple[float, i
         # Legs lengthen until a part of the motions leaves in each.
         leg = min(2 * leg, 16_000) if before - t.size < begun // 40 else leg
     left = begun - t.size
-    return (followed / left if left else math.inf), left
+    return (followed / left if left else None), left
 
 
-def _lives(impacts: float) -> dict[str, list[dict[str, float]]]:
+def _lives(impacts: float) -> dict[str, list[dict[str, float | None]]]:
     found = {}
     for name, event in _events().items():
         rows = []
@@ -175,7 +175,7 @@ def _draw_side(axes: Axes, letter: str, name: str, damping: float) -> None:
     axes.legend(loc="lower left", frameon=False, fontsize="small")
 
 
-def _draw_lives(axes: Axes, lives: dict[str, list[dict[str, float]]]) -> None:
+def _draw_lives(axes: Axes, lives: dict[str, list[dict[str, float | None]]]) -> None:
     for (name, rows), mark in zip(lives.items(), "os^", strict=True):
         known = [row for row in rows if row["left"]]
         distances = np.array([row["distance"] for row in known])

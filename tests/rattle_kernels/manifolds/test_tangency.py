@@ -167,7 +167,8 @@ def test_it_is_followed_in_a_second_parameter_and_back(crisis):
     assert max(abs(found.gap.distance) for found in curve) < 1e-12
     back = follow_tangency(curve[-1], "eccentricity", values[3::-1])
     assert [found.value for found in back] == pytest.approx([found.value for found in curve[3::-1]], abs=1e-12)
-    (far,) = follow_tangency(curve[-1], "eccentricity", [0.1])
+    near, far = follow_tangency(curve[-1], "eccentricity", [values[-1], 0.1])
+    assert near is curve[-1]
     assert far.value == pytest.approx(crisis.value, abs=1e-12)
 
 
@@ -187,3 +188,5 @@ def test_what_is_no_tangency_says_why(crisis, saddles):
         manifold_tips(CHAOS.at(eccentricity=0.4), touching)
     with pytest.raises(NoTangency, match="lost at eccentricity = 0.2, after 0 values"):
         follow_tangency(crisis, "eccentricity", [0.2])
+    with pytest.raises(ValueError, match="another than the first, damping"):
+        follow_tangency(crisis, "damping", [0.53])
