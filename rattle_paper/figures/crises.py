@@ -77,7 +77,7 @@ def _crisis() -> Tangency:
 
 
 @cache
-def _homoclinic() -> Tangency:
+def homoclinic_crisis() -> Tangency:
     """Of the small chaos of the sequel: P(1,1,0) meets itself."""
     saddle = find_saddle(_SMALL, 0.7302, 4.7878)
     return find_tangency(_SMALL, saddle, manifold_tips(_SMALL, saddle)[0], saddle, "eccentricity", (0.0971, 0.0976))
@@ -92,7 +92,7 @@ def _birth() -> float:
 
 
 def _events() -> dict[str, _Event]:
-    crisis, homoclinic = _crisis(), _homoclinic()
+    crisis, homoclinic = _crisis(), homoclinic_crisis()
     return {
         "tip of P(3,3,3) on P(3,3,2), at 0.52788": _Event(
             crisis.oscillator, "damping", crisis.value, -1.0, (1.5e-5, 3e-5, 5e-5, 1e-4, 2e-4),
@@ -181,10 +181,12 @@ def _draw_lives(axes: Axes, lives: dict[str, list[dict[str, float | None]]]) -> 
         distances = np.array([row["distance"] for row in known])
         seen = [row["mean_life"] for row in known]
         (line,) = axes.loglog(distances, seen, mark, label=name)
-        power = _homoclinic().exponent if name.startswith("P(1,1,0)") else 1.0
+        power = homoclinic_crisis().exponent if name.startswith("P(1,1,0)") else 1.0
         axes.loglog(distances, seen[0] * (distances[0] / distances) ** power, color=line.get_color(), linewidth=0.8)
     axes.set(xlabel="distance beyond, in the parameter", ylabel="mean life in impacts")
-    axes.set_title(f"(c) how long chaos lasts; lines of power 1, and {_homoclinic().exponent:.3f}", fontsize="medium")
+    axes.set_title(
+        f"(c) how long chaos lasts; lines of power 1, and {homoclinic_crisis().exponent:.3f}", fontsize="medium"
+    )
     axes.legend(loc="lower left", frameon=False, fontsize="small")
 
 
@@ -199,7 +201,7 @@ def _draw_curve(axes: Axes, curve: Sequence[Tangency]) -> None:
 
 def _make(results: Results, report: Report) -> Sheet:
     report("locating tangencies", 0, 3)
-    crisis, homoclinic = _crisis(), _homoclinic()
+    crisis, homoclinic = _crisis(), homoclinic_crisis()
     curve = [
         *follow_tangency(crisis, "eccentricity", 0.1 - 2e-4 * np.arange(1, 11))[::-1],
         crisis,

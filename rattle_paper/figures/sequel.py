@@ -24,12 +24,15 @@ from rattle_kernels import (
     Oscillator,
     SpecialKind,
     SpecialPoint,
+    Tangency,
     attractor_beyond,
     continue_orbit,
     find_attractors,
+    follow_tangency,
     graze_kind,
 )
 from rattle_paper.figure import Job, PaperFigure, Report, Results, Sheet
+from rattle_paper.figures.crises import homoclinic_crisis
 from rattle_paper.numbers.orbits import the_orbit, the_point
 from rattle_paper.panels.basin_panel import draw_panel
 
@@ -42,6 +45,8 @@ _PIXELS = 60
 _BETWEEN = Oscillator(damping=0.765, eccentricity=0.096608)
 _DISTANCES = tuple(10.0 ** (-8.0 + 0.25 * n) for n in range(21))
 _SIDES = {"above": 3e-5, "below": -3e-5}
+# Dampings at which the end of chaos is followed, both ways from where it is located.
+_DOWN, _UP = 0.762 - 5e-4 * np.arange(1, 11), 0.762 + 5e-4 * np.arange(1, 8)
 
 
 @cache
@@ -119,6 +124,13 @@ def _draw_sizes(axes: Axes, rows: list[dict[str, float]]) -> None:
     axes.legend(loc="lower right", frameon=False)
 
 
+def _ends_of_chaos() -> list[Tangency]:
+    """Where P(1,1,0) meets its own stable manifold, in order of damping."""
+    crisis = homoclinic_crisis()
+    down, up = (follow_tangency(crisis, "damping", values) for values in (_DOWN, _UP))
+    return [*down[::-1], crisis, *up]
+
+
 def _points(chart: xr.Dataset) -> dict[str, list[float]]:
     kinds = tuple(CodimensionTwo)
     return {
@@ -143,6 +155,11 @@ def _make(results: Results, report: Report) -> Sheet:
     whole = drawing.add_subplot(grid[0, :])
     plot_chart(whole, chart.rattle.job, {str(name): chart[name].values for name in chart.variables})
     whole.axhline(point.oscillator.eccentricity, color="gray", linewidth=0.7, linestyle=":")
+    ends = _ends_of_chaos()
+    whole.plot(
+        [end.oscillator.damping for end in ends], [end.value for end in ends], color="#00695c", linewidth=2.0,
+        label="crisis: P(1,1,0) meets itself",
+    )  # fmt: skip
     whole.set_title("(a) curves and points, and the largest exponent", fontsize="medium")
     whole.legend(loc="upper left", bbox_to_anchor=(0.0, 1.0), fontsize="small")
     _draw_exponents(exponents, rows)
@@ -158,6 +175,7 @@ def _make(results: Results, report: Report) -> Sheet:
             "response": kind.response, "multipliers": sorted(kind.multipliers.real.tolist()),
         },
         "chaos": rows,
+        "chaos_ends": [[end.oscillator.damping, end.value] for end in ends],
         "size_grows_with_the_power": _slope(rows, "range_of_phases"),
         "sides": {name: _shares(results[name]) for name in _SIDES},
     }  # fmt: skip

@@ -9,7 +9,7 @@ import pytest
 from matplotlib.image import imread
 
 from rattle import local
-from rattle_kernels import CellGrid, Oscillator, next_impacts
+from rattle_kernels import CellGrid, Oscillator, Outcome, next_impacts
 from rattle_paper.figures import assembly, crises, fig1, fig11, fig17, machine, machine_sweep, sequel
 from rattle_paper.production import produce, store_name
 from rattle_paper.registry import PAPER_FIGURES, figure_named
@@ -38,6 +38,13 @@ def produced_again(name, folder):
 
 def shares(panel):
     return {solution["name"]: solution["share"] for solution in panel["solutions"]}
+
+
+def lasting(damping, eccentricity, impacts):
+    """Whether any of some motions beside the saddle P(1,1,0) rattles on for so many impacts."""
+    t, v = np.meshgrid(np.linspace(0.715, 0.76, 12), np.linspace(4.75, 4.9, 12))
+    landed = next_impacts(Oscillator(damping, eccentricity), t.ravel(), v.ravel(), impacts, shortcuts=True)
+    return bool((landed.outcome == Outcome.RETURNED).any())
 
 
 pytestmark = pytest.mark.slow
@@ -298,6 +305,14 @@ def test_chaos_of_the_sequel_begins_at_its_graze_and_grows_like_the_root_of_the_
     assert told["size_grows_with_the_power"] == pytest.approx(0.5, abs=0.1)
     assert told["sides"]["above"].keys() == {"permanent contact", "P(1,1,0)"}
     assert told["sides"]["below"].keys() == {"permanent contact", "chaotic"}
+    dampings, eccentricities = np.array(told["chaos_ends"]).T
+    assert (np.diff(dampings) > 0.0).all() and (np.diff(eccentricities) > 0.0).all()
+    for damping, eccentricity in zip(dampings[::8].tolist(), eccentricities[::8].tolist(), strict=True):
+        # Chaos outlasts 200,000 impacts on one side of it, and none of it 20,000 on the other.
+        assert [lasting(damping, eccentricity + side, n) for side, n in ((-1e-5, 200_000), (1e-4, 20_000))] == [
+            True,
+            False,
+        ]
 
 
 def test_chaos_lasts_longer_the_nearer_to_its_end_and_the_numbers_of_the_document_are_these(folder, monkeypatch):
