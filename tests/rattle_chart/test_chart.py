@@ -126,6 +126,30 @@ def test_machines_beside_each_curve_do_what_it_says(chart):
                 assert any(below * above < 0.0 for below, above in zip(*margins, strict=True)), "one begins to hit"
 
 
+def test_orbits_of_a_saddle_node_are_met_on_one_side_alone(chart):
+    """By Newton's method from 189 departures around three points of each, a little to both sides in the damping."""
+    stops = np.cumsum(chart.curve_size.values)
+    seen = 0
+    for stop, (kind, (upper, lower), points) in zip(stops, curves_of(chart), strict=True):
+        if kind != SpecialKind.SADDLE_NODE:
+            continue
+        for part in (len(points) // 4, len(points) // 2, 3 * len(points) // 4):
+            place = stop - len(points) + part
+            t, v = chart.curve_time.values[place], chart.curve_velocity.values[place]
+            departures = np.stack(np.meshgrid(t + np.linspace(-2e-3, 2e-3, 21), v + np.linspace(-1e-2, 1e-2, 9)))
+            sides = []
+            for side in (-1e-6, 1e-6):
+                oscillator = Oscillator(points[part, 0] + side, points[part, 1])
+                found = [find_orbit(oscillator, *each, upper) for each in departures.reshape(2, -1).T.tolist()]
+                near = [
+                    each.orbit for each in found if each is not None and np.abs(each.orbit.v - v).min() < 1e-2
+                ]  # fmt: skip
+                sides.append(any((each.upper_contacts, each.lower_contacts) == (upper, lower) for each in near))
+            assert sides[0] != sides[1]
+            seen += 1
+    assert seen == 6
+
+
 def test_the_doubling_leads_to_an_orbit_of_twice_the_period(chart):
     (points,) = (points for kind, _, points in curves_of(chart) if kind == SpecialKind.PERIOD_DOUBLING)
     place = chart.curve_kind.values.tolist().index(KINDS.index(SpecialKind.PERIOD_DOUBLING) + 1)
