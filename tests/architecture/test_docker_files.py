@@ -5,12 +5,15 @@ import re
 import subprocess
 import sys
 import time
+import tomllib
+from fnmatch import fnmatch
 from pathlib import Path
 
 import pytest
 import yaml
 
-DOCKER = Path(__file__).parents[2] / "docker"
+ROOT = Path(__file__).parents[2]
+DOCKER = ROOT / "docker"
 COMPOSE = yaml.safe_load((DOCKER / "compose.yaml").read_text())
 PARTS = [name for name, part in COMPOSE["services"].items() if part["image"] == "gear-rattle"]
 
@@ -23,6 +26,20 @@ def linted(program, *arguments):
 
 def test_the_dockerfile_passes_its_linter():
     assert linted("hadolint", DOCKER / "Dockerfile") == (0, "")
+
+
+def test_every_package_is_copied_into_the_image_and_nothing_that_is_copied_is_ignored():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    packages = set(project["tool"]["hatch"]["build"]["targets"]["wheel"]["packages"])
+    copied = {
+        source
+        for sources in re.findall(r"^COPY (?!--from)(.+) \S+$", (DOCKER / "Dockerfile").read_text(), re.MULTILINE)
+        for source in sources.split()
+    }
+    everything, *patterns = (ROOT / ".dockerignore").read_text().split()
+    let_through = [pattern[1:] for pattern in patterns if pattern.startswith("!")]
+    assert everything == "**" and packages <= copied
+    assert [source for source in copied if not any(fnmatch(source, pattern) for pattern in let_through)] == []
 
 
 def test_the_compose_file_is_of_the_schema():
