@@ -32,6 +32,7 @@ from rattle_kernels.orbits.bifurcation_point import describe_point, point_near, 
 from rattle_kernels.orbits.closure import OrbitShape
 from rattle_kernels.orbits.continuation import continue_orbit
 from rattle_kernels.orbits.loose_graze import loose_graze_near
+from rattle_kernels.orbits.orbit_beyond_graze import orbit_beyond_graze
 from rattle_kernels.orbits.orbit_contacts import contacts_from, rest_after
 from rattle_kernels.orbits.orbit_equations import SpecialKind
 from rattle_kernels.orbits.orbit_search import find_orbit, find_orbits
@@ -41,18 +42,16 @@ from rattle_kernels.orbits.touching_orbit import touches_of, touching_orbit
 OF_ANALYSES = frozenset(
     {
         "impact_map.capture_velocity", "impact_map.grazing_distance", "impact_map.pulse", "impact_map.rest_velocity",
-        "orbits.bifurcation_diagram",
-        "orbits.bifurcation_point", "orbits.closure", "orbits.loose_graze", "orbits.near_graze",
-        "orbits.orbit_contacts", "orbits.orbit_equations", "orbits.orbit_search", "orbits.orbit_seeds",
-        "orbits.touching_orbit",
+        "orbits.bifurcation_diagram", "orbits.bifurcation_point", "orbits.closure", "orbits.graze_kind",
+        "orbits.loose_graze", "orbits.near_graze", "orbits.orbit_beyond_graze", "orbits.orbit_contacts",
+        "orbits.orbit_equations", "orbits.orbit_search", "orbits.orbit_seeds", "orbits.touching_orbit",
     }
 )  # fmt: skip
 """Modules whose kernels analyses and reports need, and basins do not."""
 FROM_PYTHON_ALONE = frozenset(
     {
         "basin_measures.entropy", "basin_measures.integrity", "basin_measures.uncertainty_exponent",
-        "impact_map.apply", "manifolds.tangency", "numerics.distance_transform", "orbits.graze_kind",
-        "orbits.orbit_beyond_graze",
+        "impact_map.apply", "manifolds.tangency", "numerics.distance_transform",
     }
 )  # fmt: skip
 """Modules whose kernels a service compiles when they are first asked for: few ask for what they compute."""
@@ -67,6 +66,8 @@ _WEAK = Oscillator(damping=6e-4, eccentricity=1e-5, half_backlash=6e-4)
 _LOOSE = Oscillator(eccentricity=0.2)
 # Where P(1,1,0) of loose gears grazes +beta.
 _GRAZING, _GRAZING_T, _GRAZING_V = Oscillator(0.1, 0.0790754296, 0.3, restitution=0.7), 0.5392694, 0.5174388
+# Where its flight grazes -beta.
+_AT_GRAZE, _AT_GRAZE_T, _AT_GRAZE_V = Oscillator(0.764661554, 0.096608), 0.75700007, 4.80451024
 # Departures of P(1,1,0), and of chaos.
 _T, _V = 0.89829, 3.76991
 # A speed that meets -beta from anywhere.
@@ -187,6 +188,12 @@ def _run_kernels_of_analyses() -> None:
     point_near(SpecialKind.GRAZING, oscillator, "damping", OrbitShape(1, 1), _T, _V)
     point_near(SpecialKind.CONTACT_LOSS, _STIFF, "stiffness", OrbitShape(1, 2), _T, _V)
     describe_point(SpecialKind.CONTACT_LOSS, "stiffness", OrbitShape(1, 2), _STIFF, _T, 0.0, residual=0.0, error=0.0)
+    orbit_beyond_graze(
+        describe_point(
+            SpecialKind.GRAZING, "damping", OrbitShape(1, 1, 1), _AT_GRAZE, _AT_GRAZE_T, _AT_GRAZE_V,
+            residual=0.0, error=0.0,
+        )
+    )  # fmt: skip
     shallowest_in_contact(_STIFF, found.orbit.t, found.orbit.v)
     loose_graze_near(_GRAZING, "eccentricity", 1, np.array([_GRAZING_T]), np.array([_GRAZING_V]), 0)
     rest_after(_GRAZING, contacts_from(_GRAZING, UPPER, _GRAZING_T, -_GRAZING_V, 1), 0)
