@@ -14,6 +14,8 @@ from worker.progress import Progress, Stage
 # Plain lines come ever more seldom, from every few seconds on to one a minute.
 _PLAIN_LINE_SECONDS = 5.0
 _SELDOM_SECONDS = 60.0
+# In a notebook a bar is drawn as it is told of progress. A thread that draws it would catch what is printed meanwhile.
+_REDRAWN_SECONDS = 0.1
 
 
 def say_compiling(console: Console) -> None:
@@ -74,9 +76,18 @@ class ProgressLine:
             if stage != self.stage:
                 self.bar.reset(self.task)  # or the time left would be reckoned by the pace of another stage
             self.bar.update(self.task, description=stage, completed=done[0], total=done[1], unit=unit, pace=pace)
+            self._redraw(stage)
         elif self._plain_line_is_due(stage):
             self.console.print(" ".join(f"{stage}: {done[0]} of {done[1]} {unit} {pace}".split()), highlight=False)
         self.stage = stage
+
+    def _redraw(self, stage: str) -> None:
+        if self.bar is None or self.bar.live.auto_refresh:
+            return
+        now = time.monotonic()
+        if stage != self.stage or now - self.said > _REDRAWN_SECONDS:
+            self.said = now
+            self.bar.refresh()
 
     def _plain_line_is_due(self, stage: str) -> bool:
         now = time.monotonic()
@@ -112,5 +123,6 @@ def progress_line(console: Console, unit: str = "tiles") -> Iterator[ProgressLin
         TextColumn("{task.description:<11}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[unit]}"),
         TimeRemainingColumn(), TextColumn("{task.fields[pace]}"),
     )  # fmt: skip
-    with Bar(*columns, console=console, transient=console.is_jupyter) as bar:
+    notebook = console.is_jupyter
+    with Bar(*columns, console=console, transient=notebook, auto_refresh=not notebook) as bar:
         yield ProgressLine(console, bar, unit)
