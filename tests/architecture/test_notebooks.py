@@ -25,12 +25,10 @@ def outputs_of(notebook):
         ]
         texts += ["".join(each.get("text", "") for each in shown), *listed]
         pictures.append(sum("image/png" in each.get("data", {}) for each in shown))
-    # Kernels for harmonics may be compiled here for the first time, which is announced before what a cell prints.
-    texts = [ANNOUNCED.sub("", text) for text in texts]
-    return [text for text in texts if text], pictures
+    # Kernels for harmonics may be compiled here for the first time, which is announced.
+    return [text for text in texts if text and not text.startswith("compiling the kernels")], pictures
 
 
-ANNOUNCED = re.compile(r"^compiling the kernels.*\n?", re.MULTILINE)
 NUMBER = re.compile(r"-?\d+\.\d+(?:e[-+]\d+)?")
 
 

@@ -57,10 +57,7 @@ def test_what_ci_runs_includes_the_golden_stores_and_the_proofs():
 
 def test_faults_planted_in_proofs_are_a_suite_of_their_own():
     """Minutes each: a verb runs them all, and the golden and slow verbs none."""
-    for verb, of_planted in (
-        ("test-planted", "-m planted"),
-        ("test-slow", "not planted"),
-        ("test-golden", "not planted"),
-    ):
+    told = {"test-planted": "-m planted", "test-slow": "not planted", "test-golden": "not planted"}
+    for verb, of_planted in told.items():
         ran = re.search(rf"^{verb}:.*\n((?:\t.*\n)+)", MAKEFILE, re.MULTILINE)[1]
         assert of_planted in ran

@@ -309,10 +309,7 @@ def test_chaos_of_the_sequel_begins_at_its_graze_and_grows_like_the_root_of_the_
     assert (np.diff(dampings) > 0.0).all() and (np.diff(eccentricities) > 0.0).all()
     for damping, eccentricity in zip(dampings[::8].tolist(), eccentricities[::8].tolist(), strict=True):
         # Chaos outlasts 200,000 impacts on one side of it, and none of it 20,000 on the other.
-        assert [lasting(damping, eccentricity + side, n) for side, n in ((-1e-5, 200_000), (1e-4, 20_000))] == [
-            True,
-            False,
-        ]
+        assert lasting(damping, eccentricity - 1e-5, 200_000) and not lasting(damping, eccentricity + 1e-4, 20_000)
 
 
 def test_chaos_lasts_longer_the_nearer_to_its_end_and_the_numbers_of_the_document_are_these(folder, monkeypatch):
@@ -330,7 +327,8 @@ def test_chaos_lasts_longer_the_nearer_to_its_end_and_the_numbers_of_the_documen
         seen = [row for row in rows if row["left"] >= 50]
         assert len(seen) >= 2
         for near, far in zip(seen[:-1], seen[1:], strict=True):
-            # At least in proportion to the distance, but for five errors of both.
+            # But for five errors of both a life falls at least with the power 3/4 of the distance: that of the birth,
+            # whose basin grows from nothing, with less than 1.
             errors = 5.0 * math.hypot(1.0 / math.sqrt(near["left"]), 1.0 / math.sqrt(far["left"]))
             assert near["mean_life"] / far["mean_life"] > (far["distance"] / near["distance"]) ** 0.75 * (1.0 - errors)
     values = np.array(told["curve"])
