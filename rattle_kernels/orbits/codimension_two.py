@@ -112,7 +112,8 @@ class CodimensionTwoPoint(NamedTuple):
     residual : float
         Of the equations of the curve, in scaled unknowns.
     error : float
-        How far the point may be off along its curve, in scaled unknowns: the length of the bracket.
+        How far the point may be off along its curve, in scaled unknowns: the length of the bracket, and what is left of
+        the test function over its slope.
     """
 
     kind: CodimensionTwo
@@ -212,10 +213,10 @@ def _between(on: _Curve, test: _Test, before: np.ndarray, after: np.ndarray) -> 
     except (ArithmeticError, ValueError):  # a value that is no number is refused by the method, too
         return None
     # A test function that jumps changes its sign without a zero.
-    limit = max(abs(test.value(before)), abs(test.value(after)))
-    if not (result.converged and abs(test.value(there)) <= 1e-6 * limit):
+    ends, left = (test.value(before), test.value(after)), abs(test.value(there))
+    if not (result.converged and left <= 1e-6 * max(abs(end) for end in ends)):
         return None
-    return part, there, float(2.0 * _SHORTEST * np.linalg.norm(chord))
+    return part, there, float((2.0 * _SHORTEST + left / abs(ends[1] - ends[0])) * np.linalg.norm(chord))
 
 
 def _described(on: _Curve, test: _Test, z: np.ndarray, error: float) -> CodimensionTwoPoint:
@@ -294,16 +295,19 @@ class _Bend(NamedTuple):
 def _along(on: _Curve, z: np.ndarray, multiplier: float, value: Callable[[_Bend], float]) -> float:
     """A value of derivatives along the direction of a multiplier, by steps so short that it has settled.
 
-    Too long a step passes a graze, where the map is not smooth.
+    Too long a step passes a graze, where the map is not smooth. Near its zero a value settles to no part of itself:
+    then it is the one whose neighbour is nearest. In scaled unknowns such values are of order 1.
     """
-    before = math.nan
+    before, settled, apart = math.nan, math.nan, math.inf
     for n in range(_MOST_HALVINGS):
         bend = _bend(on, z, multiplier, _STEP / 2.0**n)
         now = math.nan if bend is None else value(bend)
-        if abs(now - before) <= _SETTLED * abs(now):
-            return now
+        if abs(now - before) < apart:
+            settled, apart = now, abs(now - before)
+            if apart <= _SETTLED * abs(now):
+                return now
         before = now
-    return math.nan
+    return settled if apart <= _SETTLED else math.nan
 
 
 def _bend(on: _Curve, z: np.ndarray, multiplier: float, step: float) -> _Bend | None:

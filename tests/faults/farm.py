@@ -104,6 +104,11 @@ def begun(service, job):
     service.wait(job["id"], lambda job: job["progress"] and job["progress"]["tiles_done"] >= 1)
 
 
+def has_mapped(job, share):
+    """Whether a job has mapped such a share of its tiles."""
+    return job["progress"] and job["progress"]["tiles_done"] >= share * job["progress"]["tiles_total"]
+
+
 def store_of(service, job):
     """Folder of a job's store."""
     return service.data / "results" / f"{job['id']}.zarr"

@@ -6,7 +6,7 @@ import time
 import pytest
 
 from tests.faults.conftest import BASIN
-from tests.faults.farm import Farm, begun, kill, local_workers, store_of
+from tests.faults.farm import Farm, begun, has_mapped, kill, local_workers, store_of
 from tests.waiting import wait_until
 
 
@@ -29,9 +29,10 @@ def test_a_killed_scheduler_is_waited_for_and_the_job_goes_on(a_service, right, 
     chance, kills = random.Random(3), 3
     with Farm(tmp_path, starts_file) as farm, a_service(RATTLE_SCHEDULER=farm.address) as service:
         job = service.submit(BASIN)
-        for _ in range(kills):
-            begun(service, job)
-            time.sleep(chance.uniform(0.2, 1.0))
+        for part in range(kills):
+            # At some moment of the first quarter of the tiles, of the second, of the third.
+            share = (part + chance.uniform(0.2, 0.8)) / (kills + 1)
+            service.wait(job["id"], lambda job, share=share: has_mapped(job, share))
             farm.scheduler.kill()
             wait_until("/readyz answers 503", lambda: service.request("GET", "/readyz").status_code == 503)
             assert service.request("GET", f"/v1/jobs/{job['id']}").json()["state"] in ("queued", "running")

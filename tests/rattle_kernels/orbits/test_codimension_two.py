@@ -13,6 +13,7 @@ from rattle_kernels import (
     continue_orbit,
     continue_special_point,
     curve_beside_graze,
+    eccentricity_bound_single_contact,
     find_orbit,
     find_orbits,
     grazing_velocity,
@@ -134,6 +135,72 @@ def test_doublings_of_p_2_2_1_are_of_one_kind_and_lead_to_orbits_that_attract():
     (doubling,) = (each for each in points if each.kind == SpecialKind.PERIOD_DOUBLING)
     curve = continue_special_point(doubling, "eccentricity", (0.5, 0.65), (0.09, 0.13))
     assert codimension_two_points(doubling, curve) == ()
+
+
+@pytest.mark.parametrize("restitution", [1.0, 0.9])
+@pytest.mark.parametrize("parameters", [("eccentricity", "amplitude_2"), ("damping", "phase_2")])
+def test_a_cusp_of_p_1_1_0_is_where_the_rate_of_the_forcing_has_no_second_derivative(restitution, parameters):
+    """P(1,1,0) departs where the rate has its value: two such phases meet where it is stationary, three at a cusp.
+
+    With ``theta = 2 pi t``, ``rate = -(eps sin theta + 2 eps_2 sin(2 theta + phi))``. Where its first two derivatives
+    vanish, ``4 eps_2 cos(2 theta + phi) = -eps cos theta`` and ``8 eps_2 sin(2 theta + phi) = -eps sin theta``.
+    """
+    alone = Oscillator(0.6, 0.0, 2.0, restitution=restitution)
+    theta = 1.5 * math.pi + 0.4
+    eccentricity = eccentricity_bound_single_contact(alone) / (-0.75 * math.sin(theta))
+    cosine, sine = -math.cos(theta) / 4.0, -math.sin(theta) / 8.0
+    phase = (math.atan2(sine, cosine) - 2.0 * theta) / (2.0 * math.pi) % 1.0
+    second_harmonic = 2, eccentricity * math.hypot(cosine, sine), phase
+    cusp = alone._replace(eccentricity=eccentricity, harmonics=(second_harmonic,))
+    first, second = parameters
+    beside = cusp.at(**{second: 1.01 * cusp.value_of(second)})
+    speed = 4.0 * math.pi * 0.6 * restitution / (1.0 + restitution)
+    shape = OrbitShape(1, 1)
+    points = (
+        point_near(SpecialKind.SADDLE_NODE, beside, first, shape, theta / (2.0 * math.pi) + away, speed)
+        for away in (0.01, 0.02, 0.03)
+    )
+    point = next(point for point in points if point is not None)
+    windows = [(0.9 * cusp.value_of(name), 1.1 * cusp.value_of(name)) for name in parameters]
+    found = codimension_two_points(point, continue_special_point(point, second, *windows))
+    there = [cusp.value_of(name) for name in parameters]
+    located = min(found, key=lambda each: abs(each.values[1] - there[1]))
+    assert located.kind == CodimensionTwo.CUSP
+    assert located.values == pytest.approx(there, abs=1e-12)
+    assert located.t[0] == pytest.approx(theta / (2.0 * math.pi) % 1.0, abs=1e-10)
+    assert located.error < 1e-10
+
+
+def test_at_a_generalised_doubling_the_orbit_that_is_born_begins_to_attract():
+    """By Newton's method from 91 departures beside doublings of P(3,3,2), 1e-4 before the point and behind it.
+
+    Kuznetsov, Elements of Applied Bifurcation Theory (2004), Sec. 9.3.
+    """
+    oscillator = Oscillator(0.47, 0.0755)
+    (orbit,) = (each.orbit for each in find_orbits(oscillator, longest=3) if each.orbit.name == "P(3,3,2)")
+    points = continue_orbit(oscillator, orbit, "damping", (0.4, 0.6)).special_points
+    doubling = next(each for each in points if each.kind == SpecialKind.PERIOD_DOUBLING)
+    curve = continue_special_point(doubling, "eccentricity", (0.3, 0.9), (0.05, 0.15))
+    found = codimension_two_points(doubling, curve)
+    point = min(
+        (each for each in found if each.kind == CodimensionTwo.GENERALISED_DOUBLING), key=lambda each: each.t[0]
+    )
+    assert point.values == pytest.approx((0.5881636882, 0.0779697656), abs=1e-10)
+    assert point.residual < 1e-12 and point.error < 1e-9
+    born = {}
+    for side in (-1, 1):
+        beside = point.oscillator.at(eccentricity=point.values[1] + side * 1e-4)
+        on = point_near(SpecialKind.PERIOD_DOUBLING, beside, "damping", OrbitShape(3, 3), point.t[0], point.v[0])
+        for way in (-1, 1):
+            there = on.oscillator.at(damping=on.value + way * 1e-5)
+            starts = np.stack(
+                np.meshgrid(on.t[0] + np.linspace(-6e-3, 6e-3, 13), on.v[0] + np.linspace(-3e-2, 3e-2, 7))
+            )
+            orbits = [find_orbit(there, *start, 6) for start in starts.reshape(2, -1).T.tolist()]
+            longer = [each.orbit for each in orbits if each is not None and each.orbit.name == "P(6,6,4)"]
+            born[side, way] = {bool(each.attracts) for each in longer}
+    # Behind the point one that attracts is born on the other side. The saddle is there on both: further on they meet.
+    assert born == {(-1, -1): {False}, (-1, 1): set(), (1, -1): {False}, (1, 1): {False, True}}
 
 
 @pytest.mark.parametrize(("order", "coefficient"), [(2, 61.0), (3, 15.2)])
