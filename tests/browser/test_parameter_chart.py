@@ -91,6 +91,28 @@ def test_a_click_keeps_a_machine_and_computes_it(charted):
     expect(page.locator("#parameters [data-curve]").first).to_be_attached(timeout=30_000)
 
 
+def test_a_click_while_what_was_seen_before_is_opened_again_is_not_lost(charted):
+    page = charted.page
+    at, damping, _ = machine_at(page, 0.6, 0.4)
+    page.mouse.move(*at)
+    expect(page.locator("#shown")).to_contain_text("δ = 0.768", timeout=10_000)
+    held = []
+    page.route("**/v1/jobs/*", lambda route: held.append(route))
+    page.mouse.move(2, 2)
+    page.wait_for_timeout(300)
+    page.mouse.click(*at)
+    page.wait_for_timeout(300)
+    assert held, "the job of the address is asked for"
+    with page.expect_request("**/v1/basins") as asked:
+        page.unroute("**/v1/jobs/*")
+        for route in held:
+            route.continue_()
+    assert asked.value.post_data_json["oscillator"]["damping"] == pytest.approx(damping, abs=2e-4)
+    page.mouse.move(2, 2)
+    charted.state("Complete")
+    assert shown(page)[0] == pytest.approx(damping, abs=2e-4)
+
+
 def test_a_curve_says_what_happens_there_and_is_named(charted, chart, service):
     page = charted.page
     curves = service.request("GET", chart["links"]["result"]).json()["curves"]

@@ -46,9 +46,9 @@ const REST_MS = 350;
  * `opening`: what the address says, while it is opened; at first nothing is known of it. `refused`: the service has no
  * picture of what the form says. `offered`: what a link asks for, until something else is looked at. `doubts`: about the
  * address, in words. `asked`: addresses of all that was asked for. `walking`: a pointer moves over the chart of two
- * parameters, and the plane shows what is there.
+ * parameters, and the plane shows what is there. `reopened`: settles when what was seen before the pointer came is there again.
  */
-const at = { request: null, edited: true, panel: 0, whole: { t0: 0, t1: 1, v0: 0, v1: 7 }, opening: {}, embed: false, axes: "model", rest: 0, sliding: false, refused: false, offered: null, doubts: "", asked: new Set(), walking: false };
+const at = { request: null, edited: true, panel: 0, whole: { t0: 0, t1: 1, v0: 0, v1: 7 }, opening: {}, embed: false, axes: "model", rest: 0, sliding: false, refused: false, offered: null, doubts: "", asked: new Set(), walking: false, reopened: null };
 
 const plane = new Plane([{ canvas: by("plane"), marks: by("marks") }, { canvas: by("plane-kept"), marks: by("marks-kept") }], { moved, hovered: (place) => hover.at(place), picked: (place, second) => oscillatorAt(place) && motions.pick(place, second), whole: () => plane.go(at.whole), annotated });
 const marks = new Marks(plane);
@@ -119,9 +119,10 @@ function slid(name, value) {
   at.sliding = false;
 }
 
-/** Look at other values, and compute them. @param {Object<string, number>} values */
-function turnTo(values) {
+/** Look at other values, and compute them. What is being opened anew comes first. @param {Object<string, number>} values */
+async function turnTo(values) {
   at.walking = false;
+  await at.reopened;
   form.set(values);
   compute(form.request());
 }
@@ -140,7 +141,7 @@ function walk(values) {
 function walkedBack() {
   if (!at.walking) return;
   at.walking = false;
-  attempt(openAddress);
+  at.reopened = attempt(openAddress);
 }
 
 /** Ask for what the form describes, and first for a preview of it; or for what a link does, which may be more. */
