@@ -57,8 +57,8 @@ test-golden: $(READY)  ## results to the byte against golden stores, and proofs 
 BOUNDS_CHECKED := $(addprefix tests/rattle_kernels/,numerics impact_map lanes cell_mapping attractors/test_classify.py) \
   $(addprefix tests/rattle_proof/enclosures/,test_interval.py test_enclosed_functions.py)
 
-test-slow: $(READY)  ## run the slow tests as well, and small tests of the kernels with checked array bounds
-	$(BIN)/python -m pytest $(ON_TWO_CORES) -m 'not browser and not faults and not containers and not hosts and not distribution and not planted'
+test-slow: $(READY)  ## the slow tests, and small tests of the kernels with checked array bounds
+	$(BIN)/python -m pytest $(ON_TWO_CORES) -m 'slow and not browser and not faults and not containers and not hosts and not distribution and not planted'
 	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -m 'not slow' $(BOUNDS_CHECKED)
 
 # Each fault compiles its proof anew.

@@ -22,7 +22,7 @@ from matplotlib.patheffects import withStroke
 from numpy import float64, int8, int32, int64
 from pydantic import BaseModel, Field
 
-from rattle_chart.job import GROWING, SETTLING, STARTS, ChartAxis, ChartJob
+from rattle_chart.job import FOLLOWED, GROWING, SETTLING, STARTS, ChartAxis, ChartJob
 from rattle_kernels import (
     CellGrid,
     CodimensionTwo,
@@ -72,8 +72,8 @@ _LINE_REACH = 0.05
 _AT_END = 1e-3
 # More points of a curve than that follow the corrector's errors.
 _MOST_POINTS = 300
-# Departures that are followed from machine to machine, and regular ones that are named.
-_FOLLOWED, _NAMED = 48, 16
+# Regular departures that are named.
+_NAMED = 16
 _NOTHING = np.empty((2, 0))
 _QUIET, _CHAOTIC = PERMANENT_CONTACT_ATTRACTOR.name, AttractorKind.CHAOTIC.name.lower()
 _KINDS, _POINTS = tuple(SpecialKind), tuple(CodimensionTwo)
@@ -415,7 +415,7 @@ def _follow(oscillator: Oscillator, starts: np.ndarray, own: int) -> _Seen:
         names[UNDECIDED_ATTRACTOR.name if orbit is None else attractor_of(orbit).name] += count
         exponents += [] if orbit is None else [orbit.lyapunov_exponent]
     motion = max(names, key=lambda name: names[name], default=_QUIET)
-    kept = np.concatenate([found, np.flatnonzero(chaotic)])[:_FOLLOWED]
+    kept = np.concatenate([found, np.flatnonzero(chaotic)])[:FOLLOWED]
     fell_quiet = ends.outcome == Outcome.PERMANENT_CONTACT
     fell_quiet[np.flatnonzero(going)[~lasts]] = True
     quiet = float(fell_quiet[:own].mean()) if own else np.nan

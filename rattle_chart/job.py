@@ -26,14 +26,17 @@ _EXAMPLE: dict[str, Any] = {
 _LONGEST = 99
 STARTS = 3
 """Machines of a line at which orbits are searched for."""
-# Of a branch, and of a curve: usual numbers of points, and Newton steps of each.
-_POINTS, _NEWTON_STEPS = 300, 5
+# Of a branch, and of a curve: usual numbers of points, Newton steps of each, and what a step takes beside P, as
+# applications.
+_POINTS, _NEWTON_STEPS, _OF_A_STEP = 300, 5, 90
 # Branches of each length that a search finds at a machine, and special points of a line, usually.
 _BRANCHES, _CURVES = 4, 6
 SETTLING, GROWING = 2048, 512
 """Impacts of a machine's departures before their exponents are taken, and while they are."""
-# Part of these that is followed: most departures fall quiet before.
-_FOLLOWED_ON = 0.25
+FOLLOWED = 48
+"""Departures of a machine that are followed on at the next one."""
+# Usual part of the departures that do not fall quiet, and what an impact takes while exponents grow, as impacts.
+_FOLLOWED_ON, _OF_A_GROWTH = 0.5, 12
 
 
 @dataclass(frozen=True)
@@ -137,13 +140,14 @@ class ChartJob(AnalysisJob):
         turns = self.longest * (self.longest + 1) // 2
         lines = 2 * self.lines
         searched = lines * STARTS * search_impacts(self.cells, self.longest)
-        followed = lines * (STARTS * _BRANCHES + _CURVES) * _POINTS * _NEWTON_STEPS * turns
+        followed = lines * (STARTS * _BRANCHES + _CURVES) * _POINTS * _NEWTON_STEPS * (turns + _OF_A_STEP)
         return searched + followed + self.impacts_together
 
     @property
     def impacts_together(self) -> int:
-        """Those of the departures of the machines."""
-        return int(self._landings * (SETTLING + GROWING) * _FOLLOWED_ON)
+        """Those of the departures of the machines, and of what is followed to them from both sides."""
+        lasting = int(_FOLLOWED_ON * self.departures**2)
+        return self.pixels**2 * (lasting * SETTLING + (lasting + 2 * FOLLOWED) * GROWING * _OF_A_GROWTH)
 
     @property
     def bytes(self) -> int:
