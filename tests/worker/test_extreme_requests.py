@@ -134,6 +134,6 @@ def test_many_extreme_requests_end_or_are_refused_or_are_left(kind):
     @settings(max_examples=150)
     @given(REQUESTS[kind])
     def drawn(request):
-        ends_well(kind, request, pauses=60)
+        ends_well(kind, request, pauses=12)
 
     drawn()
