@@ -62,7 +62,7 @@ test-slow: $(READY)  ## the slow tests, and small tests of the kernels with chec
 	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -m 'not slow' $(BOUNDS_CHECKED)
 
 # Each fault compiles its proof anew.
-test-planted: $(READY)  ## plant faults in the proofs, one after another: their tests must catch each (an hour or two)
+test-planted: $(READY)  ## plant faults in the proofs, one after another: their tests must catch each (minutes)
 	$(BIN)/python -m pytest -m planted $(ON_TWO_CORES) --dist load
 
 test-faults: $(READY)  ## kill and fill things from outside (minutes; as root also full and read-only disks)
