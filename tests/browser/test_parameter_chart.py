@@ -96,15 +96,15 @@ def test_a_click_while_what_was_seen_before_is_opened_again_is_not_lost(charted)
     at, damping, _ = machine_at(page, 0.6, 0.4)
     page.mouse.move(*at)
     expect(page.locator("#shown")).to_contain_text("δ = 0.768", timeout=10_000)
-    held = []
-    page.route("**/v1/jobs/*", lambda route: held.append(route))
+    held, holding = [], [True]
+    page.route("**/v1/jobs/*", lambda route: held.append(route) if holding else route.continue_())
     page.mouse.move(2, 2)
     page.wait_for_timeout(300)
     page.mouse.click(*at)
     page.wait_for_timeout(300)
     assert held, "the job of the address is asked for"
     with page.expect_request("**/v1/basins") as asked:
-        page.unroute("**/v1/jobs/*")
+        holding.clear()
         for route in held:
             route.continue_()
     assert asked.value.post_data_json["oscillator"]["damping"] == pytest.approx(damping, abs=2e-4)
