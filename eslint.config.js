@@ -2,7 +2,7 @@ import js from "@eslint/js";
 import globals from "globals";
 
 export default [
-  { ignores: ["service/api_page/*-bundle.js"] },
+  { ignores: ["service/api_page/*-bundle.js", "service/explorer/js/film/gifenc.esm.js"] },
   js.configs.recommended,
   {
     files: ["service/explorer/js/**/*.js", "rattle_notebook/*.js"],

@@ -80,11 +80,12 @@ class Explorer:
         expect(self.page.locator("#compute")).to_be_enabled()
         self.page.locator("#compute").click()
 
-    def film(self, of, **fields):
+    def film(self, of, as_="WebM", **fields):
         """Have the page make a film; its download."""
         if not self.page.locator(".film").is_visible():
             self.page.locator("#away summary").click()
-        self.page.locator(".film select").select_option(of)
+        self.page.locator(".film select[name='film.of']").select_option(of)
+        self.page.locator(".film select[name='film.as']").select_option(as_)
         for name, value in fields.items():
             self.page.locator(f".film input[name='film.{name}']").fill(value)
         with self.page.expect_download(timeout=300_000) as download:

@@ -2,7 +2,9 @@
 
 import base64
 
+import numpy as np
 import pytest
+from PIL import Image, ImageSequence
 from playwright.sync_api import expect
 
 from tests.browser.test_help import findings
@@ -51,6 +53,28 @@ def test_a_slider_and_the_tooth_are_filmed_and_the_page_stays_as_it_is(explorer)
     expect(page.locator("#histories .ends")).to_have_count(1)
     *_, taller, unlike = filmed(explorer, "the tooth", count="6")
     assert taller > high and unlike >= 4
+
+
+def test_a_film_as_gif_has_the_frames_of_the_page_and_their_colours(explorer):
+    page = explorer.visit().pictured().page
+    page.mouse.click(*explorer.spot(0.9, 0.55))
+    expect(page.locator("#histories .ends")).to_have_count(1)
+    download = explorer.film("the tooth", as_="GIF", count="6")
+    assert download.suggested_filename == "gear-rattle.gif"
+    with Image.open(download.path()) as film:
+        assert film.format == "GIF" and film.n_frames == 6
+        # A GIF counts hundredths of a second.
+        assert film.info["duration"] in (120, 130)
+        frames = [np.asarray(frame.convert("RGB"), dtype=int) for frame in ImageSequence.Iterator(film)]
+    unlike = {frame.tobytes() for frame in frames}
+    assert len(unlike) == 6
+    # The title's corner is the same card in each frame; 256 colours hold it to a step or two of 255.
+    card = [int(channel) for channel in page.evaluate("""() => {
+      const pen = document.createElement("canvas").getContext("2d");
+      pen.fillStyle = getComputedStyle(document.documentElement).getPropertyValue("--card");
+      pen.fillRect(0, 0, 1, 1);
+      return [...pen.getImageData(0, 0, 1, 1).data.slice(0, 3)]; }""")]
+    assert all(np.abs(frame[-1, -1] - card).max() <= 4 for frame in frames)
 
 
 def test_a_film_can_be_stopped_and_says_what_is_wrong(explorer):

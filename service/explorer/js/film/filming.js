@@ -3,11 +3,14 @@
 import { NUMBERS, parameterInWords, valueIn } from "../state/oscillator.js";
 import { stepsOf } from "../state/steps.js";
 import { attempt } from "../page/say.js";
+import { animated } from "./animate.js";
 import { ofSlider, ofSweep, ofTooth } from "./frames.js";
 import { recorded } from "./record.js";
 import { endsAbout, framesIn, timesOf, valuesBetween } from "./values.js";
 
 const FRAME_MS = 125;
+/** How frames become a file, by the ending of its name. */
+const FORMATS = { WebM: recorded, GIF: animated };
 const SWEEP = "the sweep", TOOTH = "the tooth";
 
 export class Filming {
@@ -17,7 +20,9 @@ export class Filming {
     /** @type {AbortController|null} */
     this.running = null;
     this.place = Object.assign(document.createElement("fieldset"), { className: "paper film" });
-    this.what = document.createElement("select");
+    this.what = Object.assign(document.createElement("select"), { name: "film.of" });
+    this.format = Object.assign(document.createElement("select"), { name: "film.as" });
+    this.format.append(...Object.keys(FORMATS).map((name) => new Option(name)));
     this.fields = Object.fromEntries([["from", "From"], ["to", "To"], ["count", "Frames"]].map(([name]) => [name, Object.assign(document.createElement("input"), { name: `film.${name}`, inputMode: "decimal", autocomplete: "off" })]));
     this.fields.count.value = "24";
     this.button = Object.assign(document.createElement("button"), { type: "button" });
@@ -29,8 +34,8 @@ export class Filming {
       return label;
     };
     this.place.append(
-      Object.assign(document.createElement("legend"), { textContent: "Film, as WebM" }), labelled("Of", this.what),
-      ...Object.entries({ From: this.fields.from, To: this.fields.to, Frames: this.fields.count }).map(([words, field]) => labelled(words, field)), this.button, this.told,
+      Object.assign(document.createElement("legend"), { textContent: "Film" }), labelled("Of", this.what),
+      ...Object.entries({ From: this.fields.from, To: this.fields.to, Frames: this.fields.count }).map(([words, field]) => labelled(words, field)), labelled("As", this.format), this.button, this.told,
     );
     this.what.addEventListener("change", () => this.#ends());
     this.button.addEventListener("click", () => (this.running ? this.running.abort() : attempt(() => this.#film())));
@@ -81,6 +86,7 @@ export class Filming {
   async #film() {
     this.running = new AbortController();
     const { signal } = this.running;
+    const format = this.format.value;
     try {
       const [frames, count] = this.#frames(signal);
       const made = [];
@@ -88,9 +94,9 @@ export class Filming {
       for await (const frame of frames) {
         signal.throwIfAborted();
         made.push(frame);
-        this.#show(made.length < count ? `Frame ${made.length + 1} of ${count}.` : "Recording.");
+        this.#show(made.length < count ? `Frame ${made.length + 1} of ${count}.` : "Writing the film.");
       }
-      this.save(await recorded(made, FRAME_MS, signal), "gear-rattle.webm");
+      this.save(await FORMATS[format](made, FRAME_MS, signal), `gear-rattle.${format.toLowerCase()}`);
       this.running = null;
       this.#show("The film is saved.");
     } catch (error) {
