@@ -1,13 +1,12 @@
-"""How fast the explorer answers its user: ``python -m benchmarks.explorer [ADDRESS]``, on a quiet machine.
+"""How fast the explorer answers its user: ``python -m benchmarks.explorer``, on a quiet machine.
 
 Measured in Chromium, from the user's action to the frame that shows its effect. The targets are for two cores with
 browser and service on them, and nothing else.
 """
 
-import contextlib
-import sys
 import tempfile
 import time
+from functools import partial
 
 from playwright.sync_api import expect
 
@@ -21,10 +20,17 @@ TARGETS = {
     "previews while a slider moves": "10 /s",
     "frame while panning with manifolds, 95 %": "33 ms",
     "motion after a click": "100 ms",
+    "first picture after a move over a chart": "100 ms",
 }
 # Of the last picture that came, in milliseconds since the page was opened.
 SHOWN = """() => performance.getEntriesByType("resource").filter(({name}) => name.endsWith("/v1/previews"))
   .map(({responseEnd}) => responseEnd)"""
+MACHINE = "?damping=0.6&eccentricity=0.1&half_backlash=0.6&grid=0,1,0,7"
+CHART = {
+    "first": {"parameter": "damping", "start": 0.75, "stop": 0.78},
+    "second": {"parameter": "eccentricity", "start": 0.094, "stop": 0.0995},
+    "longest": 1, "lines": 2, "cells": 12, "pixels": 6, "departures": 16,
+}  # fmt: skip
 FRAMES = """() => { window.frames_ = []; let last = performance.now();
   const next = (now) => { window.frames_.push(now - last); last = now; 
     window.sampling && requestAnimationFrame(next); };
@@ -94,8 +100,7 @@ def sliding(explorer):
 def panning(explorer):
     """The 95th percentile of frames while the plane is dragged, with manifolds over it."""
     page = explorer.page
-    explorer.visit("?damping=0.6&eccentricity=0.1&half_backlash=0.6&grid=0,1,0,7&cells=500,500&k=1499")
-    explorer.state("Complete", seconds=200)
+    explorer.ask(f"{MACHINE}&cells=500,500&k=1499").state("Complete", seconds=200)
     page.get_by_label("Stable manifolds").check()
     expect(page.locator("#overlays")).to_contain_text("manifold of", timeout=200_000)
     page.locator("#anew").uncheck()
@@ -121,8 +126,24 @@ def clicking(explorer):
     return sorted(times)[2]
 
 
-def measure(url):
+def hovering(explorer, chart):
+    """Median of five moves over a chart, each to a machine that was not seen before."""
+    page = explorer.page
+    explorer.visit(f"{MACHINE}&parameters=damping,eccentricity,0.75,0.78,0.094,0.0995&parameters_job={chart}")
+    expect(page.locator("#parameters [data-curve]").first).to_be_attached(timeout=30_000)
+    settle(page)
+    frame = page.locator("#parameters .stage rect.axis").bounding_box()
+    times = []
+    for i in range(5):
+        x, y = frame["x"] + (0.2 + 0.12 * i) * frame["width"], frame["y"] + 0.5 * frame["height"]
+        times.append(after(page, partial(page.mouse.move, x, y), "**/v1/previews"))
+        settle(page)
+    return sorted(times)[2]
+
+
+def measure(service):
     """All of them, by name."""
+    chart, url = service.wait(service.submit(CHART, "charts")["id"])["id"], service.url
     with browser() as started:
         opening(Explorer(started, url))  # the service loads its kernels
         explorer = Explorer(started, url)
@@ -133,20 +154,16 @@ def measure(url):
         found["previews while a slider moves"] = f"{rate:.1f} /s"
         found["frame while panning with manifolds, 95 %"] = f"{panning(explorer):.0f} ms"
         found["motion after a click"] = f"{clicking(explorer):.0f} ms"
+        found["first picture after a move over a chart"] = f"{hovering(explorer, chart):.0f} ms"
     return found
 
 
-def main(arguments):
-    """Measure a service at an address, or one that runs for it alone."""
-    with contextlib.ExitStack() as stack:
-        if arguments:
-            (url,) = arguments
-        else:
-            folder = stack.enter_context(tempfile.TemporaryDirectory())
-            url = stack.enter_context(running_service(folder)).url
-        for name, value in measure(url).items():
+def main():
+    """Measure a service that runs for it alone."""
+    with tempfile.TemporaryDirectory() as folder, running_service(folder) as service:
+        for name, value in measure(service).items():
             print(f"{name:45} {value:>10}   target {TARGETS[name]}")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main()
