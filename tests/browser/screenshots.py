@@ -21,7 +21,7 @@ from tests.running_service import running_service
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "screenshots"
 SHOWN = {
-    "motions": "explorer-motions", "sweep": "explorer-sweep",
+    "motions": "explorer-motions", "sweep": "explorer-sweep", "charted": "explorer-chart",
     **{f"{what}-{number}": f"{what}-{number}" for what in ("slider", "tooth") for number in (1, 2, 3)},
 }  # fmt: skip
 
@@ -131,6 +131,22 @@ def sample(explorer):
     explorer.page.locator("#still").wait_for()
 
 
+def charted(explorer):
+    """A chart, and the basin of the machine that the pointer is on."""
+    damping = {"parameter": "damping", "start": 0.55, "stop": 0.65}
+    eccentricity = {"parameter": "eccentricity", "start": 0.085, "stop": 0.1}
+    request = {"oscillator": {"half_backlash": 0.6}, "first": damping, "second": eccentricity, "lines": 2, "longest": 3}
+    job = httpx.post(f"{explorer.url}/v1/charts", json=request).json()
+    window = "damping,eccentricity,0.55,0.65,0.085,0.1"
+    explorer.visit(f"?damping=0.6&eccentricity=0.1&parameters={window}&parameters_job={job['id']}").pictured()
+    page = explorer.page
+    expect(page.locator("#parameters [data-curve]").first).to_be_attached(timeout=150_000)
+    frame = page.locator("#parameters .stage rect.axis").bounding_box()
+    page.mouse.move(frame["x"] + 0.2 * frame["width"], frame["y"] + 0.2 * frame["height"])
+    expect(page.locator("#shown")).to_contain_text(re.compile(r"δ = 0\.5[67]"))
+    page.wait_for_load_state("networkidle")
+
+
 def narrow(explorer):
     explorer.page.set_viewport_size({"width": 420, "height": 900})
     finished(explorer)
@@ -138,7 +154,7 @@ def narrow(explorer):
 
 STATES = (
     start, refused, coming, finished, motions, zoomed, steps, highlighted, dark, diagram, compared, sweep, cancelled,
-    sample, narrow,
+    sample, charted, narrow,
 )  # fmt: skip
 
 
