@@ -16,7 +16,7 @@ class _Proof(Addition):
     of_tiles = (
         "Where the tile has a proof, two arrays of uint8 follow: the sixty-fourths of each cell of which every "
         "departure is proven to end as the solution says, and why not all are (0 all are, 1 arrives nowhere, 2 spreads "
-        "too wide, 3 straddles grazing, 4 a part ends otherwise)."
+        "too wide, 3 straddles grazing, 4 a part ends otherwise, 5 the rest never falls quiet)."
     )
 
     def field(self) -> tuple[Any, Any]:
@@ -35,9 +35,9 @@ class _Proof(Addition):
         return cost_of(job)
 
     def arrays(self) -> tuple[Any, ...]:
-        from rattle_proof.layout import PROVEN, UNPROVEN_REASON
+        from rattle_proof.layout import NEVER_QUIET, PROVEN, UNPROVEN_REASON
 
-        return PROVEN, UNPROVEN_REASON
+        return PROVEN, NEVER_QUIET, UNPROVEN_REASON
 
     def run(self, store: Any, attractors: tuple[Any, ...]) -> Any:
         from rattle_proof.run import ProofRun
@@ -48,12 +48,14 @@ class _Proof(Addition):
         from rattle_proof.arrays import proof_of
 
         proof = proof_of(store)
-        return (proof.read_tile(tile) if proof.wanted else None) or ()
+        cells = proof.read_tile(tile) if proof.wanted else None
+        return () if cells is None else (cells.proven, cells.reason)
 
     def owns(self, path: str) -> bool:
-        from rattle_proof.layout import PROOF, PROVEN, UNPROVEN_REASON
+        from rattle_proof.layout import NEVER_QUIET, PROOF, PROVEN, UNPROVEN_REASON
 
-        return path in (PROVEN.path, UNPROVEN_REASON.path) or path.split("/")[0] == PROOF
+        own = (PROVEN.path, NEVER_QUIET.path, UNPROVEN_REASON.path)
+        return path in own or path.split("/")[0] == PROOF
 
     def invalidate(self, store: Any, paths: Sequence[str]) -> None:
         from rattle_proof.arrays import proof_of
@@ -80,8 +82,11 @@ class _Proof(Addition):
 
     def of_solutions(self, store: Any) -> Iterable[dict[str, Any]]:
         from rattle_proof.arrays import proof_of
+        from rattle_proof.results import shares_of
 
-        return [{"share_proven": share} for share in (proof_of(store).certificate or {}).get("shares", ())]
+        return [
+            {"share_proven": least, "share_at_most": most} for least, most in shares_of(proof_of(store).certificate)
+        ]
 
     def outline_fields(self) -> Fields:
         from rattle_proof.results import OUTLINE_FIELDS
@@ -90,8 +95,10 @@ class _Proof(Addition):
 
     def of_outline(self, store: Any) -> dict[str, Any]:
         from rattle_proof.arrays import proof_of
+        from rattle_proof.results import shares_of
 
-        return {"proof": proof_of(store).wanted}
+        proof = proof_of(store)
+        return {"proof": proof.wanted, "share_bounds": shares_of(proof.certificate)}
 
     def page(self) -> dict[str, Any]:
         from rattle_proof.page import PAGE
@@ -122,8 +129,10 @@ class _Proof(Addition):
         return {"levels": 0}
 
     def in_words(self, solution: Mapping[str, Any]) -> str:
-        share = solution.get("share_proven")
-        return "" if share is None else f", {100 * share:.3f} % proven"
+        least, most = solution.get("share_proven"), solution.get("share_at_most")
+        if least is None or most is None:
+            return ""
+        return f", proven to be {100 * least:.3f} to {100 * most:.3f} %"
 
     def results(self) -> dict[str, Callable[[Any], Any]]:
         from rattle_proof.results import certificate

@@ -10,11 +10,14 @@ from typing import Any
 import numpy as np
 
 from rattle_kernels.basins.tiles import Tile
+from rattle_proof.enclosures.cells import ProvenCells
 from rattle_proof.enclosures.growth import IMPACTS, NUMBERS
 from rattle_proof.layout import (
     FOLLOWED,
     LATTICE_ENDS,
+    LATTICE_NEVER_QUIET,
     LATTICE_ROUNDS,
+    NEVER_QUIET,
     PROOF,
     PROVEN,
     RATTLING,
@@ -57,10 +60,15 @@ class ProofArrays:
         # By the request, too: the arrays' metadata may be damaged.
         return asked_of(self._job) is not None or PROVEN.path in self._group
 
-    def read_tile(self, tile: Tile) -> tuple[np.ndarray, np.ndarray] | None:
-        """Read what is proven of a tile's cells, and why not all is; None until both are written."""
+    def read_tile(self, tile: Tile) -> ProvenCells | None:
+        """Read what is proven of a tile's cells; None until all of it is written."""
         proven, reason = (self._tiles.read_one(each, tile) for each in (PROVEN, UNPROVEN_REASON))
-        return None if proven is None or reason is None else (proven, reason)
+        if proven is None or reason is None:
+            return None
+        # Stores of the first edition have none.
+        there = NEVER_QUIET.path in self._group
+        never_quiet = self._tiles.read_one(NEVER_QUIET, tile) if there else np.zeros_like(proven)
+        return None if never_quiet is None else ProvenCells(proven, never_quiet, reason)
 
     @property
     def certificate(self) -> dict[str, Any] | None:
@@ -102,7 +110,7 @@ class ProofArrays:
         """Make room for the lattice that has grown at a level (driver only)."""
         self._fence()
         with as_store_failure(self._location):
-            for variable in _lattice(level, last):
+            for variable in (*_lattice(level, last), *((LATTICE_NEVER_QUIET,) if last else ())):
                 self._create(variable, shape, (_CHUNK, _CHUNK))
 
     def create_trails(self, boxes: int) -> None:
@@ -136,6 +144,11 @@ class ProofArrays:
         with as_store_failure(self._location):
             self._write_pair(level, last, ends, rounds)
 
+    def write_never_quiet(self, boxes: np.ndarray) -> None:
+        """Write of which boxes of the last lattice nothing falls quiet."""
+        with as_store_failure(self._location):
+            self._arrays.fresh(LATTICE_NEVER_QUIET)[...] = boxes
+
     def _write_pair(self, level: int, last: bool, *values: np.ndarray) -> None:
         for variable, value in zip(_lattice(level, last), values, strict=True):
             self._arrays.fresh(variable)[...] = value
@@ -144,6 +157,10 @@ class ProofArrays:
         """Read ends and rounds of the lattice that has grown at a level."""
         ends, rounds = (self._whole(variable) for variable in _lattice(level, last))
         return ends, rounds
+
+    def read_never_quiet(self) -> np.ndarray:
+        """Read of which boxes of the last lattice nothing falls quiet."""
+        return self._whole(LATTICE_NEVER_QUIET)
 
     def read_rattling(self) -> np.ndarray:
         """Read which boxes belong to the set that rattles for ever."""

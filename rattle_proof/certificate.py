@@ -14,8 +14,7 @@ from rattle_proof.enclosures.growth import IMPACTS as OF_A_TRAIL
 from rattle_proof.enclosures.lattice import Lattice
 from rattle_proof.enclosures.machine import Machine, parts_of
 from rattle_proof.enclosures.orbit_disc import OrbitDisc, disc_rows
-from rattle_proof.enclosures.rattling_set import NOTHING_RATTLES
-from rattle_proof.enclosures.targets import Certificate, Targets
+from rattle_proof.enclosures.targets import NO_QUIET, NOTHING_KNOWN, Certificate, Targets
 
 
 def certificate_of(
@@ -77,7 +76,7 @@ def _place(lattice: Lattice) -> dict[str, Any]:
     return {"height": lattice.height, "first": lattice.first, "columns": lattice.ends.shape[1]}
 
 
-def targets_of(certificate: dict[str, Any], ends: np.ndarray, rattles: np.ndarray) -> Targets:
+def targets_of(certificate: dict[str, Any], ends: np.ndarray, rattles: np.ndarray, never_quiet: np.ndarray) -> Targets:
     """Targets that a certificate says, with a lattice of any number of cuts.
 
     Parameters
@@ -87,6 +86,8 @@ def targets_of(certificate: dict[str, Any], ends: np.ndarray, rattles: np.ndarra
         Of one lattice, or of all parts' above each other.
     rattles : ndarray of uint8, shape (rows, columns)
         Boxes of the set that rattles for ever.
+    never_quiet : ndarray of uint16, shape (rows, columns)
+        1 in boxes of the lattice of which nothing falls quiet, as far as that is known.
 
     Returns
     -------
@@ -98,8 +99,9 @@ def targets_of(certificate: dict[str, Any], ends: np.ndarray, rattles: np.ndarra
         each["motion"]: OrbitDisc(each["impacts"], each["t"], each["v"], np.array(each["frame"]), each["radius"])
         for each in certificate["discs"]
     }
-    rattling, place = NOTHING_RATTLES, certificate["rattling"]
+    rattling, place = NOTHING_KNOWN, certificate["rattling"]
     if place is not None:
         known = np.where(rattles, 1 + place["motion"], 0).astype(np.uint16)
         rattling = Lattice(place["height"], place["first"], known)
-    return Targets(lattice, rattling, disc_rows(discs))
+    quiet = NO_QUIET if certificate["quiet"] is None else 1 + certificate["quiet"]["motion"]
+    return Targets(lattice, rattling, disc_rows(discs), quiet, lattice._replace(ends=never_quiet))

@@ -18,12 +18,17 @@ class Unproven(IntEnum):
     GRAZES = 3
     ENDS_ELSEWHERE = 4
     """Some of it is proven to end otherwise."""
+    RATTLES = 5
+    """All of the rest never falls quiet; in which motion it ends is not proven."""
 
 
 PROVEN = Variable(
     "proven", SOLUTION.dims, np.uint8, NOT_THERE,
     "sixty-fourths of the cell of which every departure ends as the solution says",
 )  # fmt: skip
+NEVER_QUIET = Variable(
+    "never_quiet", SOLUTION.dims, np.uint8, NOT_THERE, "sixty-fourths of the cell of which no departure falls quiet"
+)
 UNPROVEN_REASON = Variable(
     "unproven_reason", SOLUTION.dims, np.uint8, NOT_THERE, "why not all of the cell is proven", flags(Unproven)
 )
@@ -42,6 +47,9 @@ LATTICE_ROUNDS = Variable(
     "rounds", _BOXES, np.uint16, _LOST, "round in which a box was proven, from boxes of earlier rounds", {}, False,
     PROOF,
 )  # fmt: skip
+LATTICE_NEVER_QUIET = Variable(
+    "never_quiet", _BOXES, np.uint8, NOT_THERE, "1 where no departure of a box falls quiet", {}, False, PROOF
+)
 RATTLING = Variable(
     "rattling", ("rattling_velocity", "rattling_time"), np.uint8, NOT_THERE,
     "1 where a box belongs to the set that rattles for ever", {}, False, PROOF,

@@ -8,6 +8,7 @@ _REASONS = {
     Unproven.SPREADS: "spreads too wide to be followed",
     Unproven.GRAZES: "straddles grazing: some departures strike −β, others miss it",
     Unproven.ENDS_ELSEWHERE: "is proven to end otherwise in part",
+    Unproven.RATTLES: "never falls quiet, but in which motion it ends is not proven",
 }
 PAGE = {
     "name": "prove",

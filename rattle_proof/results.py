@@ -19,7 +19,14 @@ SOLUTION_FIELDS: Fields = {
             None, exclude_if=lambda share: share is None,
             description="Part of the plane that is proven to end in it; left out where no proof has ended",
         ),
-    )
+    ),
+    "share_at_most": (
+        float | None,
+        Field(
+            None, exclude_if=lambda share: share is None,
+            description="Part of the plane that is not proven to end otherwise; left out where no proof has ended",
+        ),
+    ),
 }  # fmt: skip
 OUTLINE_FIELDS: Fields = {
     "proof": (
@@ -28,8 +35,40 @@ OUTLINE_FIELDS: Fields = {
             False, exclude_if=lambda there: not there,
             description="Whether a proof was asked for, so that tiles say what is proven; left out where not",
         ),
-    )
+    ),
+    "share_bounds": (
+        list[tuple[float, float]],
+        Field(
+            [], exclude_if=lambda bounds: not bounds,
+            description="Between which bounds the share of each solution is proven to lie; left out until it is",
+        ),
+    ),
 }  # fmt: skip
+
+
+def shares_of(certificate: dict[str, Any] | None) -> list[tuple[float, float]]:
+    """Between which bounds the share of the plane lies that ends in each motion; none until the proof has ended.
+
+    What is proven of a motion is its share at least. It is at most what is not proven of any other; that of what falls
+    quiet is at most what is not proven to rattle, too.
+
+    Parameters
+    ----------
+    certificate : dict or None
+
+    Returns
+    -------
+    list of (float, float)
+        By the numbers of the motions.
+    """
+    shares = [] if certificate is None else certificate.get("shares", [])
+    if certificate is None or not shares:
+        return []
+    most = [1.0 - sum(other for m, other in enumerate(shares) if m != n) for n in range(len(shares))]
+    if certificate["quiet"] is not None:
+        quiet = certificate["quiet"]["motion"]
+        most[quiet] = min(most[quiet], 1.0 - certificate.get("never_quiet", 0.0))
+    return list(zip(shares, most, strict=True))
 
 
 def with_proof(dataset: xr.Dataset, open_group: Callable[[str], xr.Dataset]) -> xr.Dataset:
@@ -42,9 +81,12 @@ def with_proof(dataset: xr.Dataset, open_group: Callable[[str], xr.Dataset]) -> 
         certificate = None
     if certificate is None:
         return dataset
-    shares = certificate.get("shares", [np.nan] * dataset.sizes["attractor"])
-    proven = xr.DataArray(shares, dims=["attractor"], attrs={"long_name": "share of the plane proven to end in it"})
-    return dataset.assign(share_proven=proven).assign_attrs(certificate=certificate)
+    shares = shares_of(certificate) or [(np.nan, np.nan)] * dataset.sizes["attractor"]
+    least, most = np.array(shares).reshape(-1, 2).T
+    return dataset.assign(
+        share_proven=("attractor", least, {"long_name": "share of the plane proven to end in it"}),
+        share_at_most=("attractor", most, {"long_name": "share of the plane not proven to end otherwise"}),
+    ).assign_attrs(certificate=certificate)
 
 
 def certificate(dataset: xr.Dataset) -> dict[str, Any]:

@@ -63,7 +63,7 @@ class ProofRun:
         self._stage, self._done, self._total, self._begun = _ENCLOSING, 0, 1, time.monotonic()
         self._boxes = self._proven_boxes = self._rounds = 0
         self._reasons = np.zeros(len(Unproven), np.int64)
-        self._sixty_fourths = np.zeros(len(attractors), np.int64)
+        self._sixty_fourths, self._never_quiet = np.zeros(len(attractors), np.int64), 0
         level = self._proof.levels_grown
         self._ready.extend(self._from(level) if level >= 0 else [Task(find_targets, 0, (attractors,), self._found)])
 
@@ -123,6 +123,7 @@ class ProofRun:
         self.seconds["prove_kernels"] += receipt.seconds
         self._reasons += receipt.reasons
         self._sixty_fourths[: len(receipt.proven)] += receipt.proven
+        self._never_quiet += receipt.never_quiet
         return ()
 
     def leave(self) -> None:
@@ -142,6 +143,7 @@ class ProofRun:
             "rounds": self._rounds,
         }
         certificate["shares"] = (self._sixty_fourths / (_WHOLE * cells)).tolist()
+        certificate["never_quiet"] = self._never_quiet / (_WHOLE * cells)
         certificate["versions"] = versions()
         self._proof.end(certificate)
 

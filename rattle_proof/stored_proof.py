@@ -6,14 +6,14 @@ import numpy as np
 
 from rattle_kernels import Attractor
 from rattle_proof.arrays import proof_of
-from rattle_proof.layout import PROOF, PROVEN
+from rattle_proof.layout import NEVER_QUIET, PROOF, PROVEN
 from worker.errors import StoreConflict, as_store_failure
 from worker.jobs.basin_job import BasinJob
 from worker.stores import layout
 from worker.stores.basin_store import BasinStore
 from worker.stores.opening import open_group
 
-_ARRAYS = ("ends", "rounds", "rattling")
+_ARRAYS = ("ends", "rounds", "rattling", "never_quiet")
 
 
 class StoredProof(NamedTuple):
@@ -25,6 +25,7 @@ class StoredProof(NamedTuple):
     arrays: dict[str, np.ndarray]
     solution: np.ndarray
     proven: np.ndarray
+    never_quiet: np.ndarray
 
 
 def read_proof(location: str) -> StoredProof:
@@ -50,6 +51,8 @@ def read_proof(location: str) -> StoredProof:
         arrays = {name: np.asarray(group[name][...]) for name in _ARRAYS if name in group}
         certificate = dict(group.attrs["certificate"])
     solution, proven = store.read_whole((layout.SOLUTION, PROVEN))
+    # Stores of the first edition have none.
+    never_quiet = store.read_whole((NEVER_QUIET,))[0] if NEVER_QUIET.path in root else np.zeros_like(proven)
     table = store.solutions.read()
     attractors = store.solutions.read_catalogue(0, table, range(len(table.motions)))
-    return StoredProof(store.job, attractors, certificate, arrays, solution, proven)
+    return StoredProof(store.job, attractors, certificate, arrays, solution, proven, never_quiet)

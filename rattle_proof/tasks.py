@@ -16,11 +16,11 @@ from rattle_kernels import Attractor
 from rattle_proof.arrays import BOXES_A_PART, proof_of
 from rattle_proof.certificate import targets_of
 from rattle_proof.enclosures.cells import prove_cells
-from rattle_proof.enclosures.growth import empty_trails, follow_all, grow_all
+from rattle_proof.enclosures.growth import empty_trails, follow_all, grow_all, never_quiet
 from rattle_proof.enclosures.lattice import UNPROVEN, common_ends, refined
 from rattle_proof.enclosures.machine import Machine, centre_of, parts_of
 from rattle_proof.enclosures.targets import Certificate, Targets, prove_targets
-from rattle_proof.layout import PROVEN, UNPROVEN_REASON, Unproven
+from rattle_proof.layout import NEVER_QUIET, PROVEN, UNPROVEN_REASON, Unproven
 from rattle_proof.request import LEVELS, asked_of, first_columns, machine_asked_of
 from worker.cluster.calls import stop_if_cancelled
 from worker.stores.basin_store import BasinStore
@@ -38,9 +38,10 @@ class GrowthReceipt:
 
 @dataclass(frozen=True)
 class ProofReceipt:
-    """What is proven of a tile: sixty-fourths of cells by solution, and cells by the reason why not all is."""
+    """What is proven of a tile: sixty-fourths of cells by solution, those that never fall quiet, cells by reason."""
 
     proven: np.ndarray
+    never_quiet: int
     reasons: np.ndarray
     seconds: float
 
@@ -79,11 +80,14 @@ def _known(location: str, digest: str, level: int) -> _Known:
     assert certificate is not None
     machine = machine_asked_of(store.job)
     parts = parts_of(machine)
+    rattling = np.zeros((1, 1), np.uint16)
     if level == LEVELS:
         ends = common_ends(ends, len(parts))
+        stop_if_cancelled()
+        rattling = common_ends(proof_of(store).read_never_quiet().astype(np.uint16), len(parts))
     # Each of these takes tenths of a second of a large lattice.
     stop_if_cancelled()
-    targets = targets_of(certificate, ends, proof_of(store).read_rattling())
+    targets = targets_of(certificate, ends, proof_of(store).read_rattling(), rattling)
     if 0 < level < LEVELS:
         targets = targets._replace(lattice=refined(targets.lattice))
         stop_if_cancelled()
@@ -127,7 +131,13 @@ def grow_lattice(location: str, digest: str, level: int) -> GrowthReceipt:
     grow_all(ends, rounds, known.boxes, trails, stop_if_cancelled, len(known.parts))
     seconds = time.perf_counter() - begin
     stop_if_cancelled()
-    proof_of(store).write_lattice(level + 1, level + 1 == LEVELS, ends, rounds)
+    last = level + 1 == LEVELS
+    proof_of(store).write_lattice(level + 1, last, ends, rounds)
+    if last:
+        begin = time.perf_counter()
+        rattling = never_quiet(ends, known.targets.quiet, known.boxes, trails, stop_if_cancelled, len(known.parts))
+        seconds += time.perf_counter() - begin
+        proof_of(store).write_never_quiet(rattling)
     return GrowthReceipt(ends.size, int(np.count_nonzero(ends)), int(rounds.max()), seconds)
 
 
@@ -147,7 +157,7 @@ def prove_tile(location: str, digest: str, number: int) -> ProofReceipt:
             asked.levels, stop_if_cancelled,
         )  # fmt: skip
         seconds = time.perf_counter() - begin
-        store.tiles.write((PROVEN, UNPROVEN_REASON), tile, cells)
-    proven, reason = cells
-    by_solution = np.bincount(colours.ravel(), proven.ravel(), minlength=int(colours.max()) + 1)
-    return ProofReceipt(by_solution.astype(np.int64), np.bincount(reason.ravel(), minlength=len(Unproven)), seconds)
+        store.tiles.write((PROVEN, NEVER_QUIET, UNPROVEN_REASON), tile, cells)
+    by_solution = np.bincount(colours.ravel(), cells.proven.ravel(), minlength=int(colours.max()) + 1)
+    reasons = np.bincount(cells.reason.ravel(), minlength=len(Unproven))
+    return ProofReceipt(by_solution.astype(np.int64), int(cells.never_quiet.sum(dtype=np.int64)), reasons, seconds)

@@ -41,7 +41,9 @@ def _make(results: Results, report: Report) -> Sheet:
             legend.remove()
         parameter, value = name.split()
         axes.label_outer()
-        axes.set_title(f"{SYMBOLS[parameter]} = {value}: {_proven(basin):.2%} proven", fontsize="medium")
+        quiet_or_not = _quiet_or_not(basin)
+        title = f"{SYMBOLS[parameter]} = {value}: {_proven(basin):.2%} proven, quiet or not {quiet_or_not:.2%}"
+        axes.set_title(title, fontsize="small")
     for axes in places.flat[len(results) :]:
         axes.remove()
     return Sheet(drawing, {"panels": {name: _summary(basin) for name, basin in results.items()}})
@@ -51,24 +53,37 @@ def _proven(basin: xr.Dataset) -> float:
     return float(np.sum(basin.share_proven.values))
 
 
+def _quiet_or_not(basin: xr.Dataset) -> float:
+    """Share of the plane of which it is proven that it falls quiet, or that it never does."""
+    certificate = basin.rattle.certificate
+    quiet = certificate["quiet"]
+    falls = 0.0 if quiet is None else certificate["shares"][quiet["motion"]]
+    return float(falls + certificate["never_quiet"])
+
+
 def _summary(basin: xr.Dataset) -> dict[str, Any]:
     certificate = basin.rattle.certificate
     counts = certificate["counts"]
     return {
         "proven": _proven(basin),
+        "quiet_or_not": _quiet_or_not(basin),
         "whole": counts["whole"] / counts["cells"],
         "not_whole": dict(zip(_REASONS, counts["reasons"][1:], strict=True)),
         "quiet_level": certificate["quiet"] and certificate["quiet"]["level"],
         "discs": len(certificate["discs"]),
         "rattles_for_ever": certificate["rattling"] is not None,
         "solutions": [
-            {"name": name, "share": float(share), "proven": float(proven)}
-            for name, share, proven in zip(
-                basin.name.values, basin.share.values, basin.share_proven.values, strict=True
-            )
+            {"name": name, "share": float(share), "proven": float(least), "at_most": float(most)}
+            for name, share, least, most in zip(
+                basin.name.values,
+                basin.share.values,
+                basin.share_proven.values,
+                basin.share_at_most.values,
+                strict=True,
+            )  # fmt: skip
         ],
     }
 
 
-_REASONS = ("arrives nowhere", "spreads", "straddles grazing", "a part ends otherwise")
+_REASONS = ("arrives nowhere", "spreads", "straddles grazing", "a part ends otherwise", "the rest never falls quiet")
 PROVEN = PaperFigure("proven", "basins of Figs. 7 (bottom), 8 and 9, with what of them is proven", _make, _basins)

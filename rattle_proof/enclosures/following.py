@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 from rattle_kernels.numerics.jit import inlined_as_written
 from rattle_proof.enclosures.interval import width
-from rattle_proof.enclosures.lattice import UNPROVEN
+from rattle_proof.enclosures.lattice import UNPROVEN, end_of
 from rattle_proof.enclosures.moving_set import advance, set_out, strip_of
 from rattle_proof.enclosures.targets import proven_end
 
@@ -17,11 +17,11 @@ WIDEST = 0.5
 
 
 class Followed(NamedTuple):
-    """Where a box ends (UNPROVEN: nowhere proven), why not, and the impacts followed."""
+    """Where a box ends (UNPROVEN: nowhere proven), why not, and whether none of it falls quiet."""
 
     end: int
     reason: int
-    impacts: int
+    never_quiet: bool
 
 
 @inlined_as_written
@@ -44,13 +44,16 @@ def follow(machine, oscillator, targets, box, impacts):
     Followed
     """
     moving = set_out(box, False)
+    never_quiet = False
     for n in range(impacts + 1):
-        end = proven_end(targets, moving, strip_of(moving))
+        strip = strip_of(moving)
+        end = proven_end(targets, moving, strip)
         if end != UNPROVEN:
-            return Followed(end, 0, n)
+            return Followed(end, 0, end != targets.quiet)
+        never_quiet = never_quiet or end_of(targets.never_quiet, strip) != UNPROVEN
         if n == impacts:
             break
         proven, moving = advance(machine, oscillator, moving)
         if not (proven and width(moving.all.t) < WIDEST):
-            return Followed(UNPROVEN, GRAZES if moving.grazed else SPREADS, n)
-    return Followed(UNPROVEN, GRAZES if moving.grazed else ARRIVES_NOWHERE, impacts)
+            return Followed(UNPROVEN, GRAZES if moving.grazed else SPREADS, never_quiet)
+    return Followed(UNPROVEN, GRAZES if moving.grazed else ARRIVES_NOWHERE, never_quiet)

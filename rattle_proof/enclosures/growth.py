@@ -3,6 +3,9 @@
 Each box is followed once, for a few impacts, and strips that hold its images are kept as its *trail*. A round then
 looks only at trails. A box is proven from boxes of earlier rounds, so no proof rests on itself.
 
+What never falls quiet is found the other way round: all that is not proven to fall quiet is taken for it, and boxes
+that are not known to come back to it are taken out, round after round.
+
 Where tolerances are cut in parts, each part has a lattice of its own. They stand above each other in one array, and
 grow in the same rounds.
 """
@@ -184,3 +187,71 @@ def grow_all(
         for followed, own in found:
             rows, columns = followed[own != UNPROVEN].T
             ends[rows, columns], rounds[rows, columns] = own[own != UNPROVEN], this_round
+
+
+@kernel_as_written
+def _take_out(within, boxes, trails):
+    """Take boxes out that are not known to come to boxes within: how many."""
+    gone = 0
+    for k in range(boxes.shape[0]):
+        rows, column = within.shape[1], boxes[k, 1]
+        lattice, row = Lattice(1.0, 0, within[boxes[k, 0] // rows]), boxes[k, 0] % rows
+        if lattice.ends[row, column] == UNPROVEN:
+            continue
+        stays = False
+        for n in range(IMPACTS):
+            if find_end(lattice, _read(trails[k, n])).end != UNPROVEN:
+                stays = True
+                break
+        if not stays:
+            lattice.ends[row, column] = UNPROVEN
+            gone += 1
+    return gone
+
+
+def never_quiet(
+    ends: np.ndarray,
+    quiet: int,
+    boxes: np.ndarray,
+    trails: np.ndarray,
+    pause: Pause = never_stopped,
+    parts: int = 1,
+) -> np.ndarray:
+    """Boxes of which no departure falls quiet: the largest set that is known to come back to itself.
+
+    A motion of the set meets it again and again, or comes to an orbit. It has no box of the lowest row, so the speeds
+    of its departures have a lower bound; those of a motion that falls quiet tend to 0.
+
+    Parameters
+    ----------
+    ends : ndarray of uint16, shape (rows, columns)
+        Of lattices from speed 0 on that have grown.
+    quiet : int
+        What boxes carry that fall quiet.
+    boxes : ndarray of int32, shape (boxes, 2)
+        Rows and columns of those that were followed: all that are not proven, and maybe others.
+    trails : ndarray
+        Of those.
+    pause : callable
+        Called several times a second; an exception raised there ends the work.
+    parts : int
+        How many lattices stand above each other in the arrays.
+
+    Returns
+    -------
+    ndarray of uint16, shape (rows, columns)
+        1 in the set, 0 elsewhere. Boxes of other ends than `quiet` belong to it.
+    """
+    within = (ends != quiet).astype(np.uint16)
+    lattices = within.reshape(parts, -1, ends.shape[1])
+    lattices[:, 0] = UNPROVEN
+    left = ends[boxes[:, 0], boxes[:, 1]] == UNPROVEN
+    boxes, trails = boxes[left], trails[left]
+    gone = 1
+    while gone:
+        gone = 0
+        for start in range(0, len(boxes), _GROWN_AT_A_TIME):
+            pause()
+            run = slice(start, start + _GROWN_AT_A_TIME)
+            gone += _take_out(lattices, boxes[run], trails[run])
+    return within

@@ -28,8 +28,6 @@ _LARGEST_SHARE = 0.25
 _SEED_IMPACTS = 400
 # Boxes between two pauses: 32,768 images.
 _MARKED_AT_A_TIME = 2048
-NOTHING_RATTLES = Lattice(1.0, 0, np.zeros((1, 1), np.uint16))
-"""The lattice where no such set is known."""
 
 
 @kernel_as_written

@@ -16,21 +16,30 @@ from rattle_proof.enclosures.lattice import UNPROVEN, Lattice, box_at, empty_lat
 from rattle_proof.enclosures.machine import Machine, acceleration, error_at
 from rattle_proof.enclosures.orbit_disc import OrbitDisc, disc_rows, lies_in_disc, orbit_disc
 from rattle_proof.enclosures.quiet_core import quiet_level
-from rattle_proof.enclosures.rattling_set import NOTHING_RATTLES, rattling_set
+from rattle_proof.enclosures.rattling_set import rattling_set
 
 COLUMNS = 1024
 """Columns of the first lattice."""
 
 
+NO_QUIET = 2**16 - 1
+"""End of no motion: none was found to fall quiet."""
+NOTHING_KNOWN = Lattice(1.0, 0, np.zeros((1, 1), np.uint16))
+"""A lattice without boxes."""
+
+
 class Targets(NamedTuple):
     """Proven places. An *end* is 1 + the number of a motion, UNPROVEN where there is none.
 
-    ``discs``, shape (discs, 8), is as `disc_rows` has it.
+    ``discs``, shape (discs, 8), is as `disc_rows` has it. ``quiet`` is the end of what falls quiet, and ``never_quiet``
+    has 1 in boxes of which nothing does, once the lattice has grown.
     """
 
     lattice: Lattice
     rattling: Lattice
     discs: np.ndarray
+    quiet: int
+    never_quiet: Lattice
 
 
 class Certificate(NamedTuple):
@@ -105,21 +114,27 @@ def prove_targets(
     """
     lattice, top = _lattice_for(oscillator, attractors, fastest, columns)
     level = quiet_level(machine, top, pause=pause)
-    quiet = [n for n, each in enumerate(attractors) if each.kind == AttractorKind.PERMANENT_CONTACT]
-    if quiet:
-        _fill_core(machine, level, lattice, 1 + quiet[0])
+    quiet = quiet_end(attractors)
+    if quiet != NO_QUIET:
+        _fill_core(machine, level, lattice, quiet)
     discs = {}
     for n, each in enumerate(attractors):
         disc = orbit_disc(machine, oscillator, each, pause) if each.kind == AttractorKind.PERIODIC else None
         if disc is not None:
             discs[n] = disc
-    rattling, chaos = NOTHING_RATTLES, None
+    rattling, chaos = NOTHING_KNOWN, None
     for n, each in enumerate(attractors):
         found = rattling_set(machine, oscillator, each, 1 + n, pause) if each.is_chaotic and chaos is None else None
         others = [other for other in attractors if other is not each]
         if found is not None and _holds_no_other(machine, found, level, discs.values(), others):
             rattling, chaos = found, n
-    return Certificate(level, discs, chaos, Targets(lattice, rattling, disc_rows(discs)))
+    return Certificate(level, discs, chaos, Targets(lattice, rattling, disc_rows(discs), quiet, NOTHING_KNOWN))
+
+
+def quiet_end(attractors: Sequence[Attractor]) -> int:
+    """End of the motion that falls quiet, NO_QUIET where there is none."""
+    ends = [1 + n for n, each in enumerate(attractors) if each.kind == AttractorKind.PERMANENT_CONTACT]
+    return ends[0] if ends else NO_QUIET
 
 
 def _lattice_for(

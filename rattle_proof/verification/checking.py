@@ -12,6 +12,8 @@ from rattle_proof.verification.targets.quiet import COLUMNS, acceleration_at_res
 from rattle_proof.verification.verdict import Part, Verification
 from rattle_proof.verification.work import Crew, Subject, subject_at
 
+_WHOLE = 64
+
 Counting = Callable[[str, int, int], None]
 
 
@@ -53,10 +55,33 @@ def _tried_one_by_one(
         found.append(("rattling", Part("set that rattles for ever: its boxes", len(places)), places))
     chosen, of = _boxes(subject.proof.arrays, boxes, random)
     found.append(("boxes", Part("boxes of the lattice", of), chosen))
-    proven = np.argwhere(subject.proof.proven > 0)
-    chosen = proven[np.sort(random.permutation(len(proven))[:cells])]
-    found.append(("cells", Part("cells", len(proven)), chosen))
+    proof = subject.proof
+    places = _rattling_boxes(proof.arrays)
+    if places.size:
+        chosen = places if boxes == "all" else _some(places, boxes, random)
+        # Those of rest, which do not belong there, are few: all are looked at.
+        rest = places[places[:, 0] % claims.lattice.ends.shape[0] == 0]
+        chosen = np.unique(np.concatenate([rest, chosen]), axis=0)
+        found.append(("rattling boxes", Part("boxes that never fall quiet", len(places)), chosen))
+    # Where all of a cell is proven to end in a motion, that is tried below.
+    rattling = np.argwhere((proof.never_quiet > 0) & (proof.proven < _WHOLE))
+    if rattling.size:
+        part = Part("cells that never fall quiet", len(rattling))
+        found.append(("rattling cells", part, _some(rattling, cells, random)))
+    proven = np.argwhere(proof.proven > 0)
+    found.append(("cells", Part("cells", len(proven)), _some(proven, cells, random)))
     return found
+
+
+def _some(places: np.ndarray, count: int, random: np.random.Generator) -> np.ndarray:
+    return places[np.sort(random.permutation(len(places))[:count])]
+
+
+def _rattling_boxes(arrays: dict[str, np.ndarray]) -> np.ndarray:
+    """Boxes that never fall quiet and have no end: the others are proven by that."""
+    if "never_quiet" not in arrays:
+        return np.empty((0, 2), np.int64)
+    return np.argwhere((arrays["never_quiet"] > 0) & (arrays["ends"] == 0))
 
 
 def _boxes(

@@ -41,7 +41,8 @@ class Claims(NamedTuple):
     """All of it. ``motions`` are the names of the store's solutions, by number.
 
     ``parts`` are machines that together are the one, or the one alone. ``lattice`` says in which end boxes come for all
-    of them; ``lattices`` says it for each part.
+    of them, and ``never_quiet`` of which of its boxes nothing falls quiet; ``lattices`` and ``never_quiets`` say it for
+    each part.
     """
 
     machine: Machine
@@ -52,14 +53,21 @@ class Claims(NamedTuple):
     rattling: Lattice | None
     lattice: Lattice
     lattices: tuple[Lattice, ...]
+    never_quiet: Lattice
+    never_quiets: tuple[Lattice, ...]
+
+    @property
+    def quiet(self) -> int | None:
+        """The end of what falls quiet, if anything does."""
+        return None if self.core is None else 1 + self.core.motion
 
     def of_part(self, n: int) -> "Claims":
         """What is claimed of one part."""
-        return self._replace(machine=self.parts[n], lattice=self.lattices[n])
+        return self._replace(machine=self.parts[n], lattice=self.lattices[n], never_quiet=self.never_quiets[n])
 
 
 def claims_of(certificate: dict[str, Any], arrays: dict[str, np.ndarray]) -> Claims:
-    """Read a certificate and the arrays ``ends``, ``rounds`` and, where there is one, ``rattling``.
+    """Read a certificate and the arrays ``ends``, ``rounds`` and, where there are, ``rattling`` and ``never_quiet``.
 
     The lattices of parts stand above each other in their arrays.
 
@@ -76,6 +84,7 @@ def claims_of(certificate: dict[str, Any], arrays: dict[str, np.ndarray]) -> Cla
     parts = tuple(Machine.of(each) for each in certificate.get("parts") or [certificate["machine"]])
     place = float(grid["height"]), int(grid["first"])
     ends, rounds = (np.split(arrays[name], len(parts)) for name in ("ends", "rounds"))
+    never_quiet = np.split(arrays.get("never_quiet", np.zeros_like(arrays["ends"])), len(parts))
     same = np.logical_and.reduce([each == ends[0] for each in ends])
     return Claims(
         Machine.of(certificate["machine"]),
@@ -86,6 +95,8 @@ def claims_of(certificate: dict[str, Any], arrays: dict[str, np.ndarray]) -> Cla
         rattling,
         Lattice(*place, np.where(same, ends[0], 0), np.maximum.reduce(rounds)),
         tuple(Lattice(*place, *each) for each in zip(ends, rounds, strict=True)),
+        Lattice(*place, np.minimum.reduce(never_quiet), np.zeros_like(rounds[0])),
+        tuple(Lattice(*place, *each) for each in zip(never_quiet, rounds, strict=True)),
     )
 
 

@@ -10,6 +10,8 @@ from rattle_proof.verification.moving import Moving, Strip
 
 NOWHERE = 0
 """No end. Ends are 1 + the number of a motion."""
+NEVER_QUIET = -1
+"""Any end but that of what falls quiet, or none at all."""
 
 Index = tuple[slice, int]
 """Rows of boxes in a column."""
@@ -74,6 +76,13 @@ class Ends:
     def of(self, moving: Moving, before: int | None = None) -> int:
         """The end that all of a set is claimed to come to, if by the lattice by boxes proven `before` a round."""
         return end_in(self.claims.lattice, moving.strip, before) or self.at_target(moving)
+
+    def quiet_or_not(self, moving: Moving) -> int:
+        """The end of what falls quiet, or NEVER_QUIET, if one of both is claimed of all of a set."""
+        end = self.of(moving)
+        if end == NOWHERE:
+            end = NEVER_QUIET * end_in(self.claims.never_quiet, moving.strip)
+        return end if end in (NOWHERE, self.claims.quiet) else NEVER_QUIET
 
     def at_target(self, moving: Moving) -> int:
         """The end whose core, disc or rattling set holds all of a set."""

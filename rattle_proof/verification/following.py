@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from flint import arb, ctx
 
-from rattle_proof.verification.ends import NOWHERE, Ends
+from rattle_proof.verification.ends import NEVER_QUIET, NOWHERE, Ends
 from rattle_proof.verification.machine import Machine
 from rattle_proof.verification.moving import Moving, advance, box
 from rattle_proof.verification.targets.quiet import halves
@@ -30,7 +30,15 @@ class Lost(NamedTuple):
 
 
 def lost_part(
-    ends: Ends, t: arb, v: arb, end: int, impacts: int, arrived: Arriving, depth: int = DEPTH, cuts: int = CUTS
+    ends: Ends,
+    t: arb,
+    v: arb,
+    end: int,
+    impacts: int,
+    arrived: Arriving,
+    depth: int = DEPTH,
+    cuts: int = CUTS,
+    first: int = 0,
 ) -> Lost | None:
     """A part of a box that is not proven to come to an end; None if all of it is.
 
@@ -49,6 +57,8 @@ def lost_part(
         How often the box may be cut in two.
     cuts : int
         How often the tolerances may be, first of all.
+    first : int
+        How many impacts at least.
 
     Returns
     -------
@@ -59,7 +69,7 @@ def lost_part(
     waiting = [(ends.machine, cuts, t, v, depth)]
     while waiting:
         machine, cuts, t, v, depth = waiting.pop()
-        found, last = _end_of(machine, box(t, v), impacts, arrived)
+        found, last = _end_of(machine, box(t, v), impacts, arrived, first)
         if found == end:
             continue
         machines = machine.halves() if cuts and found == NOWHERE else []
@@ -78,17 +88,17 @@ def failure_of(ends: Ends, place: str, end: int, lost: Lost) -> Failure:
     if found == NOWHERE:
         found = _end_of_point(ends, t.mid(), v.mid())
     where = f"near t = {float(t.mid()):.12g}, v = {float(v.mid()):.12g}"
-    if found in (NOWHERE, end):
+    if found in (NOWHERE, end) or (end == NEVER_QUIET and found != ends.claims.quiet):
         return undecided(place, f"not decided {where}")
     names = ends.claims.motions
     name = names[found - 1] if found <= len(names) else f"motion {found - 1}"
     return contradicted(place, f"departures {where} end in {name}")
 
 
-def _end_of(machine: Machine, moving: Moving, impacts: int, arrived: Arriving) -> tuple[int, Moving]:
+def _end_of(machine: Machine, moving: Moving, impacts: int, arrived: Arriving, first: int = 0) -> tuple[int, Moving]:
     """The end of a set, and the last that is known of it."""
     for n in range(impacts + 1):
-        found = arrived(moving)
+        found = arrived(moving) if n >= first else NOWHERE
         if found != NOWHERE or n == impacts:
             return found, moving
         advanced = advance(machine, moving)

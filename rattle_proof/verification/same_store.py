@@ -97,10 +97,30 @@ def _counts(subject: Subject) -> Failure | None:
     for name, count in found.items():
         if counts.get(name) != count:
             return contradicted("counts", f"{name}: {counts.get(name)} in the certificate, {count} in the store")
+    if failure := _never_quiet(subject):
+        return failure
     parts = np.bincount(proof.solution.ravel(), proof.proven.ravel(), len(proof.attractors))
     if len(shares) != len(parts) or not np.allclose(shares, parts / (_WHOLE * proof.proven.size), 0.0, _ROUNDED):
         return contradicted("shares", "the certificate has other shares than the cells of the store")
     return None
+
+
+def _never_quiet(subject: Subject) -> Failure | None:
+    """What is claimed never to fall quiet is what is counted so, and all that ends in a motion that rattles."""
+    proof, core = subject.proof, subject.claims.core
+    share = float(proof.never_quiet.sum(dtype=np.int64)) / (_WHOLE * proof.never_quiet.size)
+    told = proof.certificate.get("never_quiet", 0.0)
+    if abs(share - told) > _ROUNDED:
+        return contradicted("counts", f"never_quiet: {told} in the certificate, {share} in the store")
+    rattles = np.ones(proof.solution.shape, np.bool_) if core is None else proof.solution != core.motion
+    right = proof.never_quiet + np.where(rattles, 0, proof.proven) <= _WHOLE
+    right &= ~rattles | (proof.never_quiet >= proof.proven)
+    if right.all():
+        return None
+    row, column = np.argwhere(~right)[0].tolist()
+    return contradicted(
+        f"cell ({row}, {column})", "as many parts of it as are claimed cannot rattle and end as coloured"
+    )
 
 
 def _discs(subject: Subject) -> Iterator[Failure | None]:

@@ -6,8 +6,8 @@ import numpy as np
 from flint import arb
 
 from rattle_proof.verification.claims import Claims, Disc, Lattice
-from rattle_proof.verification.ends import NOWHERE, Ends, box_of, boxes_of, end_in, in_frame
-from rattle_proof.verification.following import CUTS, Lost, failure_of, lost_part
+from rattle_proof.verification.ends import NEVER_QUIET, NOWHERE, Ends, box_of, boxes_of, end_in, in_frame
+from rattle_proof.verification.following import CUTS, Arriving, Lost, failure_of, lost_part
 from rattle_proof.verification.machine import Machine, ball
 from rattle_proof.verification.moving import Moving, advance, box
 from rattle_proof.verification.targets.quiet import halves
@@ -21,12 +21,13 @@ _LONGEST = 16
 
 
 class Plane(NamedTuple):
-    """The cells of a picture: its edges, and of each the motion that it is coloured as, and the 64ths proven."""
+    """The cells of a picture: its edges, the motion that each is coloured as, and the 64ths that are proven of it."""
 
     time: tuple[float, float]
     velocity: tuple[float, float]
     solution: np.ndarray
     proven: np.ndarray
+    never_quiet: np.ndarray
 
     def cell(self, row: int, column: int, cut: int = 1) -> list[tuple[arb, arb]]:
         """Times and speeds of a cell, cut into so many parts each way."""
@@ -48,7 +49,7 @@ def try_cell(ends: Ends, plane: Plane, row: int, column: int) -> Failure | None:
     end, claimed = 1 + int(plane.solution[row, column]), int(plane.proven[row, column])
     place = f"cell ({row}, {column})"
     if claimed < _WHOLE:
-        return _try_parts(ends, place, plane.cell(row, column, _CUT), end, claimed)
+        return _try_parts(ends, place, plane.cell(row, column, _CUT), end, claimed, ends.of)
     ((t, v),) = plane.cell(row, column)
     # To the targets alone first, for the lattice has been looked at in a sample only.
     lost = lost_part(ends, t, v, end, _LONGEST, ends.at_target, 0, 0)
@@ -57,14 +58,26 @@ def try_cell(ends: Ends, plane: Plane, row: int, column: int) -> Failure | None:
     return None if lost is None else failure_of(ends, place, end, lost)
 
 
-def _try_parts(ends: Ends, place: str, parts: list[tuple[arb, arb]], end: int, claimed: int) -> Failure | None:
+def try_cell_that_rattles(ends: Ends, plane: Plane, row: int, column: int) -> Failure | None:
+    """Prove that of as many 64ths of a cell as is claimed no departure falls quiet."""
+    claimed, place = int(plane.never_quiet[row, column]), f"cell ({row}, {column})"
+    if claimed == _WHOLE:
+        ((t, v),) = plane.cell(row, column)
+        if lost_part(ends, t, v, NEVER_QUIET, _LONGEST, ends.quiet_or_not, _DEPTH_OF_PART) is None:
+            return None
+    return _try_parts(ends, place, plane.cell(row, column, _CUT), NEVER_QUIET, claimed, ends.quiet_or_not)
+
+
+def _try_parts(
+    ends: Ends, place: str, parts: list[tuple[arb, arb]], end: int, claimed: int, arrived: Arriving
+) -> Failure | None:
     """Whether as many parts as are claimed come to an end; which of them they are is not said."""
     refuted: list[tuple[tuple[arb, arb], Lost]] = []
     left: list[tuple[tuple[arb, arb], Lost]] = []
     for depth, cuts in _OF_MANY if ends.machine.halves() else _OF_ONE:
         left = []
         for part in parts:
-            lost = lost_part(ends, *part, end, _LONGEST, ends.of, depth, cuts)
+            lost = lost_part(ends, *part, end, _LONGEST, arrived, depth, cuts)
             if lost is None:
                 claimed -= 1
             else:
@@ -89,6 +102,16 @@ def try_box(ends: Ends, trail: int, row: int, column: int) -> Failure | None:
     lost = lost_part(ends, t, v, end, trail, arrived)
     place = f"box ({row}, {column}) of the lattice, of round {this_round}"
     return None if lost is None else failure_of(ends, place, end, lost)
+
+
+def try_box_that_rattles(ends: Ends, trail: int, row: int, column: int) -> Failure | None:
+    """Prove that a box of which nothing is claimed to fall quiet comes back to such boxes, and is not of rest."""
+    lattice = ends.claims.never_quiet
+    place = f"box ({row}, {column}) of those that never fall quiet"
+    if lattice.first + row <= 0:
+        return contradicted(place, "it holds departures at rest")
+    lost = lost_part(ends, *box_of(lattice, row, column), NEVER_QUIET, trail, ends.quiet_or_not, first=1)
+    return None if lost is None else failure_of(ends, place, NEVER_QUIET, lost)
 
 
 def try_rattling_box(claims: Claims, rattling: Lattice, row: int, column: int) -> Failure | None:

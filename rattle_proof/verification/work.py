@@ -11,7 +11,14 @@ from flint import ctx
 from rattle_proof.stored_proof import StoredProof, read_proof
 from rattle_proof.verification.claims import Claims, claims_of
 from rattle_proof.verification.ends import Ends
-from rattle_proof.verification.samples import Plane, try_box, try_cell, try_rattling_box
+from rattle_proof.verification.samples import (
+    Plane,
+    try_box,
+    try_box_that_rattles,
+    try_cell,
+    try_cell_that_rattles,
+    try_rattling_box,
+)
 from rattle_proof.verification.targets.quiet import acceleration_at_rest, try_column
 from rattle_proof.verification.verdict import Failure
 from worker.errors import StoreConflict
@@ -38,9 +45,12 @@ class Subject(NamedTuple):
             return try_column(self.claims.parts[place[0]], self.claims.core, place[1])
         if what == "rattling" and self.claims.rattling is not None:
             return try_rattling_box(self.claims, self.claims.rattling, *place)
-        if what == "boxes":
+        if what in ("boxes", "rattling boxes"):
             part, row = divmod(place[0], self.claims.lattice.ends.shape[0])
-            return try_box(self.ends_of_parts[part], int(self.proof.certificate["impacts"]["trail"]), row, place[1])
+            tried = try_box if what == "boxes" else try_box_that_rattles
+            return tried(self.ends_of_parts[part], int(self.proof.certificate["impacts"]["trail"]), row, place[1])
+        if what == "rattling cells":
+            return try_cell_that_rattles(self.ends, self.plane, *place)
         return try_cell(self.ends, self.plane, *place)
 
 
@@ -62,8 +72,9 @@ def subject_at(location: str) -> Subject:
         acceleration_at_rest(machine)
     grid = proof.job.grid
     plane = Plane(
-        (grid.time_start, grid.time_stop), (grid.velocity_start, grid.velocity_stop), proof.solution, proof.proven
-    )
+        (grid.time_start, grid.time_stop), (grid.velocity_start, grid.velocity_stop), proof.solution, proof.proven,
+        proof.never_quiet,
+    )  # fmt: skip
     ends_of_parts = tuple(Ends(claims.of_part(n)) for n in range(len(claims.parts)))
     return Subject(proof, claims, Ends(claims), ends_of_parts, plane)
 

@@ -108,6 +108,8 @@ interface Outline {
   [addition: string]: any;
   solutions: Solution[];
   expected: Expected | null;
+  /** Between which bounds shares lie, by the numbers of solutions. */
+  share_bounds?: [number, number][];
   speckle: number[];
   missing_colour: string;
   grazing: Polyline;

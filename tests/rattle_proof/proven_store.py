@@ -17,7 +17,9 @@ def lay_proof(location, proven, reason, certificate=CERTIFICATE):
     """Add a proof to a store of one basin; tiles that hold a 255 have not been tried."""
     store = BasinStore(location)
     shape = store.tiling.tile_rows, store.tiling.tile_columns
-    for variable, values in ((proof_layout.PROVEN, proven), (proof_layout.UNPROVEN_REASON, reason)):
+    never_quiet = np.where(np.asarray(proven) == NOT_THERE, NOT_THERE, 0)
+    variables = proof_layout.PROVEN, proof_layout.NEVER_QUIET, proof_layout.UNPROVEN_REASON
+    for variable, values in zip(variables, (proven, never_quiet, reason), strict=True):
         create_array(store._group, store.job, variable, store.job.grid.shape, shape)
         for tile in map(store.tiling.tile, store.tiling.numbers_of(0)):
             cells = np.asarray(values, np.uint8)[slice(*tile.rows), slice(*tile.columns)]

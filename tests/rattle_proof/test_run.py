@@ -9,7 +9,7 @@ from distributed import Client
 from rattle_kernels import CellGrid, Oscillator
 from rattle_proof.arrays import proof_of
 from rattle_proof.enclosures.cells import WHOLE
-from rattle_proof.layout import PROVEN, UNPROVEN_REASON, Unproven
+from rattle_proof.layout import NEVER_QUIET, PROVEN, UNPROVEN_REASON, Unproven
 from rattle_proof.request import LEVELS, first_columns
 from tests.store_content import content
 from worker.cluster.driver import Driver
@@ -88,12 +88,20 @@ def test_the_certificate_says_what_the_arrays_say(store):
     for number, share in enumerate(shares):
         assert share == proven[solution == number].sum() / (WHOLE * proven.size)
     assert shares.sum() > 0.5
+    (rattling,) = store.read_whole((NEVER_QUIET,))
+    assert certificate["never_quiet"] == rattling.sum() / (WHOLE * rattling.size)
+    # What ends in a motion that rattles does not fall quiet, and the other way round.
+    falls = solution == certificate["quiet"]["motion"]
+    assert (rattling[~falls] >= proven[~falls]).all() and (rattling[falls] + proven[falls] <= WHOLE).all()
+    never = proof_of(store).read_never_quiet()
+    assert not never[ends == 1 + certificate["quiet"]["motion"]].any() and not never[0].any()
+    assert (never[1:][ends[1:] > 1] == 1).all()
     assert ends.max() <= len(certificate["motions"])
 
 
 def test_what_the_lattice_grew_from_is_gone(store):
     assert list(store._group["proof"].group_keys()) == []
-    assert sorted(store._group["proof"].array_keys()) == ["ends", "rattling", "rounds"]
+    assert sorted(store._group["proof"].array_keys()) == ["ends", "never_quiet", "rattling", "rounds"]
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from rattle_kernels import (
     name_solutions,
     next_impacts,
 )
-from rattle_proof.enclosures.cells import ENDS_ELSEWHERE, WHOLE, prove_cells
+from rattle_proof.enclosures.cells import ENDS_ELSEWHERE, RATTLES, WHOLE, prove_cells
 from rattle_proof.enclosures.growth import empty_trails, follow_boxes, grow_all
 from rattle_proof.enclosures.lattice import UNPROVEN, common_ends, refined
 from rattle_proof.enclosures.machine import centre_of, machine_of, parts_of
@@ -146,6 +146,40 @@ def test_what_is_coloured_wrong_is_not_proven():
     here = prove_cells(machine_of(FIG_7), FIG_7, targets, GRID, (0, 60), (0, 60), wrong, 0)
     assert not here.proven[cells.proven == WHOLE].any()
     assert (here.reason[cells.proven == WHOLE] == ENDS_ELSEWHERE).all()
+
+
+def test_what_is_proven_to_end_in_an_orbit_or_in_chaos_never_falls_quiet():
+    """And nothing else does, where no set is known beside them: parts that end so count in a cell of any colour."""
+    for levels in (0, 1):
+        _, targets, _, colours, cells = _proven(FIG_7, levels)
+        rattles = colours + 1 != targets.quiet
+        elsewhere = cells.reason == ENDS_ELSEWHERE
+        np.testing.assert_array_equal(cells.never_quiet[rattles & ~elsewhere], cells.proven[rattles & ~elsewhere])
+        assert not cells.never_quiet[~rattles & ~elsewhere].any()
+        assert (cells.never_quiet[rattles] >= cells.proven[rattles]).all()
+        assert ((cells.never_quiet + cells.proven)[~rattles] <= WHOLE).all()
+        assert not (cells.never_quiet % (WHOLE // 4**levels)).any()
+        assert (cells.reason != RATTLES).all()
+
+
+def test_a_part_that_comes_to_a_set_that_never_falls_quiet_does_not_whatever_its_colour():
+    """As if all boxes were one: what is not proven is in it, and what is proven to fall quiet falls quiet."""
+    _, targets, _, colours, plain = _proven(FIG_7, 0)
+    everywhere = targets._replace(never_quiet=targets.lattice._replace(ends=np.ones_like(targets.lattice.ends)))
+    here = machine_of(FIG_7), FIG_7, everywhere, GRID, (0, 60), (0, 60)
+    rattles, whole = colours + 1 != targets.quiet, plain.proven == WHOLE
+    otherwise = plain.reason == ENDS_ELSEWHERE
+    assert (~whole & ~otherwise & rattles).any() and (~whole & ~otherwise & ~rattles).any()
+    for levels in (0, 1):
+        cells = prove_cells(*here, colours, levels)
+        np.testing.assert_array_equal(cells.proven, _proven(FIG_7, levels)[-1].proven)
+        assert (cells.never_quiet[whole] == np.where(rattles[whole], WHOLE, 0)).all()
+        # Where a cell is known not to fall quiet, all of its parts are.
+        assert (cells.never_quiet[~whole & ~otherwise] == WHOLE).all()
+    cells = prove_cells(*here, colours, 0)
+    expected = np.where(rattles, RATTLES, ENDS_ELSEWHERE)
+    np.testing.assert_array_equal(cells.reason[~whole & ~otherwise], expected[~whole & ~otherwise])
+    np.testing.assert_array_equal(cells.reason[whole | otherwise], plain.reason[whole | otherwise])
 
 
 def test_levels_beyond_three_are_refused():

@@ -7,7 +7,7 @@ from rattle_kernels import CellGrid, find_attractors
 from rattle_proof.enclosures import cells, growth, orbit_disc, quiet_core, rattling_set
 from rattle_proof.enclosures.lattice import UNPROVEN, Lattice
 from rattle_proof.enclosures.machine import machine_of
-from rattle_proof.enclosures.targets import Targets, prove_targets
+from rattle_proof.enclosures.targets import NO_QUIET, NOTHING_KNOWN, Targets, prove_targets
 from tests.rattle_proof.enclosures.machines import OSCILLATORS
 
 FIG_7 = OSCILLATORS[0]
@@ -44,7 +44,7 @@ def _machine():
 
 
 def _nowhere(lattice):
-    return Targets(lattice, Lattice(1.0, 0, np.zeros((1, 1), np.uint16)), np.zeros((0, 8)))
+    return Targets(lattice, NOTHING_KNOWN, np.zeros((0, 8)), NO_QUIET, NOTHING_KNOWN)
 
 
 def test_boxes_are_followed_with_pauses(counted, monkeypatch):
@@ -148,3 +148,22 @@ def test_targets_are_proven_with_pauses(counted, monkeypatch):
     counted.count(rattling_set, "_mark_images", lambda *arguments: len(arguments[3]))
     prove_targets(_machine(), FIG_7, attractors, counted.pause, columns=64)
     assert counted.most == 50
+
+
+def test_what_never_falls_quiet_is_found_with_pauses(counted, monkeypatch):
+    boxes = np.argwhere(np.ones((32, 16))).astype(np.int32)
+    rows, columns = boxes.T
+    # The box below; but those of one column stay where they are.
+    rows = np.where(columns == 5, rows + 1, rows)
+    trails = np.full((len(boxes), growth.IMPACTS, growth.NUMBERS), np.nan, np.float32)
+    trails[:, 0] = np.stack(
+        [(columns + 0.4) / 16, (columns + 0.6) / 16, rows - 0.6, rows - 0.4, rows - 0.6, rows - 0.4, 0.0 * rows], axis=1
+    )
+    ends = np.zeros((32, 16), np.uint16)
+    at_once = growth.never_quiet(ends, NO_QUIET, boxes, trails, counted.pause)
+    assert at_once[1:, 5].all() and at_once.sum() == 31
+    assert counted.pauses >= 1
+    counted.count(growth, "_take_out", lambda *arguments: len(arguments[1]))
+    monkeypatch.setattr(growth, "_GROWN_AT_A_TIME", 100)
+    np.testing.assert_array_equal(growth.never_quiet(ends, NO_QUIET, boxes, trails, counted.pause), at_once)
+    assert counted.most == 100

@@ -3,7 +3,7 @@
 import numpy as np
 
 from rattle_proof.enclosures.cells import prove_cells
-from rattle_proof.enclosures.growth import empty_trails, follow_boxes, grow_all
+from rattle_proof.enclosures.growth import empty_trails, follow_boxes, grow_all, never_quiet
 from rattle_proof.enclosures.lattice import UNPROVEN, refined
 from rattle_proof.enclosures.machine import machine_of
 from rattle_proof.enclosures.targets import prove_targets
@@ -30,7 +30,8 @@ def prove_store(location, columns=1024, lattices=1, levels=0, tolerances=None):
         len(attractors), levels,
     )  # fmt: skip
     tile = store.tiling.tile_rows, store.tiling.tile_columns
-    for variable, values in ((layout.PROVEN, cells.proven), (layout.UNPROVEN_REASON, cells.reason)):
+    variables = layout.PROVEN, layout.NEVER_QUIET, layout.UNPROVEN_REASON
+    for variable, values in zip(variables, cells, strict=True):
         create_array(store._group, store.job, variable, grid.shape, tile)[...] = values
     _write(location, certificate, machine, targets, rounds, [each.name for each in attractors], attractors)
     consolidate(location)
@@ -52,7 +53,8 @@ def grown(machine, oscillator, targets, lattices):
         rounds[tuple(boxes[ends != UNPROVEN].T)] = rounds.max() + 1
         lattice.ends[tuple(boxes.T)] = ends
         grow_all(lattice.ends, rounds, boxes, trails)
-    return targets, rounds
+    rattling = never_quiet(lattice.ends, targets.quiet, boxes, trails)
+    return targets._replace(never_quiet=lattice._replace(ends=rattling)), rounds
 
 
 def _write(location, certificate, machine, targets, rounds, names, attractors):
@@ -79,7 +81,7 @@ def _write(location, certificate, machine, targets, rounds, names, attractors):
         "impacts": {"trail": 4, "cell": 12},
     }  # fmt: skip
     group = open_group(location, "r+").create_group("proof", attributes={"certificate": told})
-    arrays = {"ends": lattice.ends, "rounds": rounds}
+    arrays = {"ends": lattice.ends, "rounds": rounds, "never_quiet": targets.never_quiet.ends.astype(np.uint8)}
     if certificate.rattling is not None:
         arrays["rattling"] = rattling.ends
     for name, values in arrays.items():

@@ -7,7 +7,7 @@ import pytest
 
 import rattle
 from rattle_proof.verification.ends import Ends
-from rattle_proof.verification.samples import try_box, try_cell
+from rattle_proof.verification.samples import try_box, try_box_that_rattles, try_cell, try_cell_that_rattles
 from rattle_proof.verification.targets.discs import discs
 from rattle_proof.verification.targets.quiet import COLUMNS, try_column
 from rattle_proof.verification.work import subject_at
@@ -34,7 +34,8 @@ def subject(location):
 def test_a_good_store_is_proven_again(location):
     found = rattle.verify(location, cells=100, boxes=200)
     assert found.holds, [part.failures for part in found.parts]
-    assert [part.tried for part in found.parts][-2:] == [200, 100]
+    tried = {part.name: part.tried for part in found.parts}
+    assert (tried["boxes of the lattice"], tried["cells"]) == (200, 100)
 
 
 def test_a_level_that_is_raised_is_found(subject):
@@ -83,7 +84,8 @@ def in_parts(tmp_path_factory):
 def test_a_store_with_tolerances_in_parts_is_proven_again(in_parts):
     found = rattle.verify(in_parts, cells=100, boxes=200)
     assert found.holds, [part.failures for part in found.parts]
-    assert [part.tried for part in found.parts][-2:] == [200, 100]
+    tried = {part.name: part.tried for part in found.parts}
+    assert (tried["boxes of the lattice"], tried["cells"]) == (200, 100)
 
 
 def test_machines_of_no_part_are_found(in_parts, tmp_path):
@@ -110,3 +112,75 @@ def test_a_box_of_one_part_with_another_end_is_found(in_parts):
         assert try_box(ends, _TRAIL, row, column) is None
         failure = try_box(faulty, _TRAIL, row, column)
         assert failure is not None and failure.contradicted, (row, column)
+
+
+@pytest.fixture(scope="module")
+def wandering(tmp_path_factory):
+    """A store whose motions pass long transients before they come to an orbit, and are known not to fall quiet."""
+    path = tmp_path_factory.mktemp("verified") / "wandering.zarr"
+    rattle.basin(eccentricity=0.089, cells=(128, 128), prove=True, levels=0, store=path, progress=False)
+    return str(path)
+
+
+def test_what_never_falls_quiet_is_proven_again(wandering):
+    found = rattle.verify(wandering, cells=100, boxes=200)
+    assert found.holds, [part.failures for part in found.parts]
+    boxes, rattling_boxes, rattling_cells, cells = found.parts[-4:]
+    assert (boxes.tried, cells.tried) == (200, 100)
+    assert (rattling_boxes.name, rattling_boxes.tried) == ("boxes that never fall quiet", 200)
+    assert rattling_cells.name == "cells that never fall quiet" and rattling_cells.tried == min(100, rattling_cells.of)
+
+
+def test_a_box_that_falls_quiet_among_those_that_never_do_is_found(wandering):
+    """Each alone is wrong, among others that are right; and what lies at rest is no matter of where it comes."""
+    subject = subject_at(wandering)
+    claims, lattice = subject.claims, subject.claims.never_quiet
+    right = np.argwhere((lattice.ends == 1) & (claims.lattice.ends == 0))
+    wrong = np.argwhere((claims.lattice.ends == 1) & (claims.lattice.rounds > 0))
+    for row, column in right[:: len(right) // 10].tolist():
+        assert try_box_that_rattles(subject.ends, _TRAIL, row, column) is None
+    for row, column in wrong[:: len(wrong) // 10].tolist():
+        ends, others = lattice.ends.copy(), claims.lattice.ends.copy()
+        ends[row, column], others[row, column] = 1, 0
+        faulty = claims._replace(never_quiet=lattice._replace(ends=ends), lattice=claims.lattice._replace(ends=others))
+        failure = try_box_that_rattles(Ends(faulty), _TRAIL, row, column)
+        assert failure is not None and failure.contradicted, (row, column)
+    failure = try_box_that_rattles(subject.ends, _TRAIL, 0, 5)
+    assert failure is not None and failure.contradicted
+
+
+def test_a_box_that_comes_back_nowhere_is_found(wandering):
+    """One of the set, if no other belongs to it: to be in the set itself is not to come back to it."""
+    subject = subject_at(wandering)
+    lattice = subject.claims.never_quiet
+    rattling = np.argwhere((lattice.ends == 1) & (subject.claims.lattice.ends == 0))
+    for row, column in rattling[:: len(rattling) // 5].tolist():
+        alone = np.zeros_like(lattice.ends)
+        alone[row, column] = 1
+        faulty = Ends(subject.claims._replace(never_quiet=lattice._replace(ends=alone), discs=(), rattling=None))
+        faulty.claims = faulty.claims._replace(
+            lattice=faulty.claims.lattice._replace(ends=np.zeros_like(subject.claims.lattice.ends))
+        )
+        assert try_box_that_rattles(faulty, _TRAIL, row, column) is not None, (row, column)
+
+
+def test_a_cell_that_is_said_never_to_fall_quiet_is_found(wandering):
+    subject = subject_at(wandering)
+    plane = subject.plane
+    quiet = np.argwhere((plane.solution == subject.claims.core.motion) & (plane.proven == 64))
+    for claimed in (64, 1):
+        faulty = plane._replace(never_quiet=np.full_like(plane.never_quiet, claimed))
+        for row, column in quiet[:: len(quiet) // 5].tolist():
+            failure = try_cell_that_rattles(subject.ends, faulty, row, column)
+            assert failure is not None and failure.contradicted, (row, column)
+
+
+def test_a_set_with_boxes_at_rest_is_found_whatever_the_sample_is(wandering, tmp_path):
+    shutil.copytree(wandering, tmp_path / "rest.zarr")
+    group = open_group(str(tmp_path / "rest.zarr"), "r+")["proof"]
+    ends, rattling = group["ends"][...], group["never_quiet"][...]
+    ends[0, 7], rattling[0, 7] = 0, 1
+    group["ends"][...], group["never_quiet"][...] = ends, rattling
+    found = rattle.verify(tmp_path / "rest.zarr", cells=0, boxes=0)
+    (failure,) = (each for part in found.parts if part.name == "boxes that never fall quiet" for each in part.failures)
+    assert failure.contradicted and failure.place.startswith("box (0, 7)")

@@ -16,6 +16,7 @@ PERIODIC = Attractor(AttractorKind.PERIODIC, 1, 1, 0, -0.3, 0.0, np.array([0.9])
 CHAOS = Attractor(AttractorKind.CHAOTIC, 0, 0, 0, 0.3, 0.0, np.array([0.3]), np.array([4.4]))
 SOLUTION = np.array([[0, 1], [2, 0]], np.int16)
 PROVEN = np.array([[64, 32], [64, 0]], np.uint8)
+NEVER_QUIET = np.array([[0, 48], [64, 16]], np.uint8)
 TOLERANCES = {"damping": (0.59, 0.61), "eccentricity": (0.09, 0.1)}
 
 
@@ -35,10 +36,11 @@ def certificate():
         "lattice": {"height": 1.0, "first": 0, "columns": 2, "rows": 2},
         "counts": {"cells": 4, "whole": 2, "boxes": 4, "proven_boxes": 3, "rounds": 5},
         "shares": [0.25, 0.125, 0.25],
+        "never_quiet": 0.5,
     }
 
 
-def subject(certificate, tolerances=TOLERANCES, attractors=(QUIET, PERIODIC, CHAOS)):
+def subject(certificate, tolerances=TOLERANCES, attractors=(QUIET, PERIODIC, CHAOS), never_quiet=NEVER_QUIET):
     arrays = {
         "ends": np.array([[1, 1], [2, 0]], np.uint16),
         "rounds": np.array([[0, 1], [5, 0]], np.uint16),
@@ -46,7 +48,13 @@ def subject(certificate, tolerances=TOLERANCES, attractors=(QUIET, PERIODIC, CHA
     }
     job = SimpleNamespace(oscillator=Oscillator(0.6, 0.1, 0.6), prove=SimpleNamespace(tolerances=tolerances))
     proof = SimpleNamespace(
-        job=job, attractors=attractors, certificate=certificate, arrays=arrays, solution=SOLUTION, proven=PROVEN
+        job=job,
+        attractors=attractors,
+        certificate=certificate,
+        arrays=arrays,
+        solution=SOLUTION,
+        proven=PROVEN,
+        never_quiet=never_quiet,
     )
     return SimpleNamespace(proof=proof, claims=claims_of(certificate, arrays))
 
@@ -101,3 +109,25 @@ def test_a_disc_as_wide_as_a_period_is_refused():
     told["discs"][0]["radius"] = 0.5
     (failure,) = discs(subject(told).claims).failures
     assert failure.contradicted and "as wide as a period" in failure.why
+
+
+def test_a_share_that_never_falls_quiet_and_is_not_that_of_the_cells_is_found():
+    told = certificate()
+    told["never_quiet"] = 0.6
+    assert places(subject(told)) == ["counts"]
+
+
+@pytest.mark.parametrize(
+    ("cell", "claimed", "instead"),
+    [((0, 0), 1, (0, 1)), ((0, 1), 31, (1, 1)), ((1, 0), 63, (1, 1))],
+    ids=["a part of a cell that falls quiet", "less than ends in an orbit", "less than is chaotic"],
+)
+def test_a_cell_that_is_said_to_rattle_and_to_fall_quiet_is_found(cell, claimed, instead):
+    """The sum of all cells is as before."""
+    claims = NEVER_QUIET.copy()
+    claims[instead] += claims[cell]
+    claims[cell] = claimed
+    claims[instead] -= claimed
+    found = subject(certificate(), never_quiet=claims)
+    assert claims.sum() == NEVER_QUIET.sum()
+    assert places(found) == [f"cell {cell}"]

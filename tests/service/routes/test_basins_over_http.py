@@ -269,13 +269,16 @@ def test_a_proof_is_asked_for_and_its_certificate_read(service):
     solutions = service.request("GET", f"/v1/jobs/{job['id']}/result").json()["solutions"]
     assert [each["share_proven"] for each in solutions] == certificate["shares"]
     assert sum(certificate["shares"]) > 0.1
+    bounds = [[each["share_proven"], each["share_at_most"]] for each in solutions]
+    assert all(least <= each["share"] <= most for each, (least, most) in zip(solutions, bounds, strict=True))
+    assert service.request("GET", f"/v1/jobs/{job['id']}/outline").json()["share_bounds"] == bounds
 
 
 def test_a_job_without_a_proof_has_no_certificate(service, finished):
     answer = service.request("GET", f"/v1/jobs/{finished['id']}/certificate.json")
     assert_problem(answer, 404, "no proof was asked for")
     solutions = service.request("GET", f"/v1/jobs/{finished['id']}/result").json()["solutions"]
-    assert all("share_proven" not in each for each in solutions)
+    assert all("share_proven" not in each and "share_at_most" not in each for each in solutions)
 
 
 @pytest.mark.parametrize(

@@ -36,7 +36,13 @@ function endsInWords({ ends }, solutions) {
   return ` It ends in ${told.join(", ")}${going > 0 ? `; ${Math.round(100 * going)} % had not ended` : ""}.`;
 }
 
-function entry(solutions, solution, share, known, look, pick, scales) {
+/** A share of the plane: as it is counted, and between which bounds it is proven to lie. */
+function shareInWords(share, known, bounds) {
+  if (!known) return `${percent(share)} so far`;
+  return bounds ? `${percent(share)}, proven: ${percent(bounds[0])} to ${percent(bounds[1])}` : percent(share);
+}
+
+function entry(solutions, solution, share, known, bounds, look, pick, scales) {
   const key = keyOf(solutions, solution.number);
   const button = document.createElement("button");
   button.type = "button";
@@ -48,7 +54,7 @@ function entry(solutions, solution, share, known, look, pick, scales) {
   name.textContent = solution.name;
   const part = document.createElement("span");
   part.className = "share";
-  part.textContent = known ? percent(share) : `${percent(share)} so far`;
+  part.textContent = shareInWords(share, known, bounds);
   button.append(swatch(solution.colours[look.palette], false, solution.textures[look.palette]), name, part);
   button.addEventListener("click", () => pick(look.highlight === key ? null : key));
   const item = document.createElement("li");
@@ -62,7 +68,7 @@ function listSolutions(picture, look, pick, scales) {
   const there = outline.solutions.filter(({ number }) => counted[number] > 0 || outline.solutions[number].share === 0);
   there.sort((a, b) => counted[b.number] - counted[a.number]);
   const list = document.createElement("ul");
-  list.append(...there.map((each) => entry(outline.solutions, each, counted[each.number], outline.complete, look, pick, scales)));
+  list.append(...there.map((each) => entry(outline.solutions, each, counted[each.number], outline.complete, outline.share_bounds?.[each.number], look, pick, scales)));
   return list;
 }
 
