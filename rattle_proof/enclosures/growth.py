@@ -245,13 +245,14 @@ def never_quiet(
     within = (ends != quiet).astype(np.uint16)
     lattices = within.reshape(parts, -1, ends.shape[1])
     lattices[:, 0] = UNPROVEN
-    left = ends[boxes[:, 0], boxes[:, 1]] == UNPROVEN
-    boxes, trails = boxes[left], trails[left]
     gone = 1
     while gone:
         gone = 0
         for start in range(0, len(boxes), _GROWN_AT_A_TIME):
             pause()
             run = slice(start, start + _GROWN_AT_A_TIME)
-            gone += _take_out(lattices, boxes[run], trails[run])
+            here = boxes[run]
+            # Only these: all trails together may be a gigabyte.
+            left = ends[here[:, 0], here[:, 1]] == UNPROVEN
+            gone += _take_out(lattices, here[left], trails[run][left])
     return within
