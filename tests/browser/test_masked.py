@@ -167,4 +167,5 @@ def test_the_legend_has_the_bounds_of_each_share(explorer, service):
     explorer.visit(f"?job={job['id']}").state("Complete")
     entry = explorer.page.locator("#legend button", has_text="permanent contact")
     least = f"{100 * shares[quiet]:.2f} %"
-    expect(entry).to_contain_text(f"{100 * solutions[quiet]['share']:.2f} %, proven: {least} to 75.00 %")
+    expect(entry.locator(".share")).to_have_text(f"{100 * solutions[quiet]['share']:.2f} %")
+    expect(entry.locator(".bounds")).to_have_text(f"proven: {least} to 75.00 %")

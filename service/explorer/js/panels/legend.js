@@ -36,12 +36,6 @@ function endsInWords({ ends }, solutions) {
   return ` It ends in ${told.join(", ")}${going > 0 ? `; ${Math.round(100 * going)} % had not ended` : ""}.`;
 }
 
-/** A share of the plane: as it is counted, and between which bounds it is proven to lie. */
-function shareInWords(share, known, bounds) {
-  if (!known) return `${percent(share)} so far`;
-  return bounds ? `${percent(share)}, proven: ${percent(bounds[0])} to ${percent(bounds[1])}` : percent(share);
-}
-
 function entry(solutions, solution, share, known, bounds, look, pick, scales) {
   const key = keyOf(solutions, solution.number);
   const button = document.createElement("button");
@@ -54,8 +48,9 @@ function entry(solutions, solution, share, known, bounds, look, pick, scales) {
   name.textContent = solution.name;
   const part = document.createElement("span");
   part.className = "share";
-  part.textContent = shareInWords(share, known, bounds);
+  part.textContent = known ? percent(share) : `${percent(share)} so far`;
   button.append(swatch(solution.colours[look.palette], false, solution.textures[look.palette]), name, part);
+  if (bounds) button.append(Object.assign(document.createElement("span"), { className: "bounds", textContent: `proven: ${bounds.map(percent).join(" to ")}` }));
   button.addEventListener("click", () => pick(look.highlight === key ? null : key));
   const item = document.createElement("li");
   item.append(button);
