@@ -134,6 +134,11 @@ class _Proof(Addition):
             return ""
         return f", proven to be {100 * least:.3f} to {100 * most:.3f} %"
 
+    def below_shares(self, dataset: Any) -> list[str]:
+        from rattle_proof.results import bounds_in_words
+
+        return bounds_in_words(dataset)
+
     def results(self) -> dict[str, Callable[[Any], Any]]:
         from rattle_proof.results import certificate
 

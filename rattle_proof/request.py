@@ -21,7 +21,7 @@ _COLUMNS_A_CELL, _FEWEST_COLUMNS, _MOST_COLUMNS = 8, 512, 8192
 _COLUMNS_OF_PARTS = 4096
 # Seconds that a core takes for a box of a lattice, with all that follows from it; and bytes of its arrays.
 # Fig. 7 (bottom) takes 2.8e-6 with 1000 x 1000 cells, of which most are proven; damping 0.59 to 0.61 takes 14e-6.
-_OF_A_BOX, _BYTES_OF_A_BOX = 14e-6, 6
+_OF_A_BOX, _BYTES_OF_A_BOX = 14e-6, 5
 
 
 class ProofRequest(Request):

@@ -89,6 +89,12 @@ def with_proof(dataset: xr.Dataset, open_group: Callable[[str], xr.Dataset]) -> 
     ).assign_attrs(certificate=certificate)
 
 
+def bounds_in_words(dataset: xr.Dataset) -> list[str]:
+    """Between which bounds the share of each motion is proven to lie; nothing until it is."""
+    told = json.loads(dataset.attrs["certificate"]) if "certificate" in dataset.attrs else None
+    return [f"proven: {100.0 * least:.2f} % to {100.0 * most:.2f} %" for least, most in shares_of(told)]
+
+
 def certificate(dataset: xr.Dataset) -> dict[str, Any]:
     """What a basin is proven from: constants of its targets, counts, and the proven share of each motion.
 

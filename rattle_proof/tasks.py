@@ -71,7 +71,7 @@ def find_targets(location: str, digest: str, number: int, attractors: tuple[Attr
 def _known(location: str, digest: str, level: int) -> _Known:
     """What is known once the lattice has grown at so many levels; its boxes are cut, if they are to be followed again.
 
-    Kept once a process: the last lattice has 235 MB, and serves all tiles.
+    Kept once a process: the last lattice has 350 MB, and serves all tiles.
     """
     store = BasinStore.open(location, digest)
     ends, rounds = proof_of(store).read_lattice(level, level == LEVELS)

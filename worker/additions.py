@@ -171,6 +171,10 @@ class Addition(ABC):
         """What the shell's table says of a solution beside its share."""
 
     @abstractmethod
+    def below_shares(self, dataset: Any) -> list[str]:
+        """A line below the share of each solution in a picture's legend; nothing where there is none to say."""
+
+    @abstractmethod
     def results(self) -> dict[str, Callable[[Any], Any]]:
         """Attributes of ``dataset.rattle``, by name: each is made of a dataset."""
 

@@ -89,6 +89,19 @@ def test_the_legend_says_how_much_is_not_proven(proof):
         assert labels[f"not proven   {100 * share:.2f} %"].get_hatch()
 
 
+def test_the_legend_has_the_bounds_of_each_share(store):
+    """The share of each of three motions is at most what is not proven of the others; quiet's less what rattles."""
+    told = {"shares": [0.5, 0.25, 0.125], "quiet": {"motion": 0, "level": 0.09}, "never_quiet": 0.4375}
+    proof = lay_proof(store.location, *made_up(), {"certificate": told})
+    for drawn in (seen, seen_with_axes_of_ones_own):
+        labels = [text.get_text().split("\n") for text in drawn(proof)[1].get_legend().texts]
+        bounds = {lines[0].split("   ")[0]: lines[1] for lines in labels if len(lines) > 1}
+        assert sorted(bounds.values()) == [
+            "proven: 12.50 % to 25.00 %", "proven: 25.00 % to 37.50 %", "proven: 50.00 % to 56.25 %",
+        ]  # fmt: skip
+        assert bounds["permanent contact"] == "proven: 50.00 % to 56.25 %"
+
+
 def test_a_window_across_the_end_of_the_period_is_hatched_on_both_sides(proof):
     figure, axes = seen(proof, window=Window(0.75, 1.5, 0.5, 3.0))
     quiet = colours.PERMANENT_CONTACT

@@ -11,6 +11,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from rattle_kernels import Attractor
+from worker.additions import additions
 from worker.errors import InvalidJob, as_store_failure
 from worker.gear_pair import GearPair
 from worker.jobs.basin_job import BasinJob
@@ -72,7 +73,7 @@ def draw_basin(dataset: xr.Dataset, axes: Axes, look: Look = USUAL_LOOK) -> Axes
     panel = Panel(basins, 0, look)
     panel.draw(axes)
     if look.legend and panel.attractors and look.layer == Layer.SOLUTION:
-        _draw_legend(axes, panel.attractors, dataset.share.values, look)
+        _draw_legend(axes, panel.attractors, dataset.share.values, look, dataset)
     axes.set(xlabel=TIME, ylabel=VELOCITY)
     _draw_units(axes, dataset)
     return axes
@@ -217,7 +218,7 @@ def _list_motions(figure: Figure, axes: Axes, dataset: xr.Dataset, panel: Panel,
     if dataset.attrs.get("complete", True):
         shares = dataset.share.mean([axis.name for axis in job.axes]).values
     if not job.axes:
-        _draw_legend(axes, motions, shares, look)
+        _draw_legend(axes, motions, shares, look, dataset)
         return
     labels = [f"{number}: {motion.name}" for number, motion in enumerate(motions)]
     handles = _legend_patches(motions, shares, labels, look)
@@ -246,11 +247,15 @@ def _patch(paint: colours.Paint, label: str, speckled: bool) -> Patch:
     return Patch(facecolor=colour, edgecolor="black", hatchcolor=brighter, hatch="xxxxx", label=label)
 
 
-def _draw_legend(axes: Axes, motions: tuple[Attractor, ...], shares: np.ndarray, look: Look) -> None:
+def _draw_legend(
+    axes: Axes, motions: tuple[Attractor, ...], shares: np.ndarray, look: Look, dataset: xr.Dataset
+) -> None:
     """List motions with colours and shares beside axes on which they are drawn; NaN is a share not known yet."""
     texts = [f"{100.0 * share:.2f} %" if np.isfinite(share) else "share not known yet" for share in shares]
     names = [motion.name for motion in motions]
     ends = [f"\n{ends_in_words(motion.ends, names)}" if motion.ends else "" for motion in motions]
+    for lines in filter(None, (each.below_shares(dataset) for each in additions())):
+        texts = [f"{text}\n{line}" for text, line in zip(texts, lines, strict=True)]
     labels = [f"{motion.label}   {share}{end}" for motion, share, end in zip(motions, texts, ends, strict=True)]
     laid = _key_of(axes) if look.overlay_key else _lines_of(axes)
     handles = [*_legend_patches(motions, shares, labels, look), *_masks_of(axes), *laid]
