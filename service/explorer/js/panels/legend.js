@@ -36,7 +36,7 @@ function endsInWords({ ends }, solutions) {
   return ` It ends in ${told.join(", ")}${going > 0 ? `; ${Math.round(100 * going)} % had not ended` : ""}.`;
 }
 
-function entry(solutions, solution, share, known, bounds, look, pick, scales) {
+function entry(solutions, solution, share, known, look, pick, scales) {
   const key = keyOf(solutions, solution.number);
   const button = document.createElement("button");
   button.type = "button";
@@ -50,7 +50,6 @@ function entry(solutions, solution, share, known, bounds, look, pick, scales) {
   part.className = "share";
   part.textContent = known ? percent(share) : `${percent(share)} so far`;
   button.append(swatch(solution.colours[look.palette], false, solution.textures[look.palette]), name, part);
-  if (bounds) button.append(Object.assign(document.createElement("span"), { className: "bounds", textContent: `proven: ${bounds.map(percent).join(" to ")}` }));
   button.addEventListener("click", () => pick(look.highlight === key ? null : key));
   const item = document.createElement("li");
   item.append(button);
@@ -63,7 +62,7 @@ function listSolutions(picture, look, pick, scales) {
   const there = outline.solutions.filter(({ number }) => counted[number] > 0 || outline.solutions[number].share === 0);
   there.sort((a, b) => counted[b.number] - counted[a.number]);
   const list = document.createElement("ul");
-  list.append(...there.map((each) => entry(outline.solutions, each, counted[each.number], outline.complete, outline.share_bounds?.[each.number], look, pick, scales)));
+  list.append(...there.map((each) => entry(outline.solutions, each, counted[each.number], outline.complete, look, pick, scales)));
   return list;
 }
 

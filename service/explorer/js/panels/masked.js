@@ -1,11 +1,11 @@
-/** What a mask leaves clear of the picture that is seen: shares by motion, and of the rest by reason. */
+/** What a mask leaves clear of the picture that is seen: shares by motion, or their bounds, and of the rest by reason. */
 
 import { percent } from "../charts/ticks.js";
 import { swatch } from "./swatch.js";
 
 function line(sign, words, share) {
   const item = document.createElement("li");
-  const part = Object.assign(document.createElement("span"), { className: "share", textContent: percent(share) });
+  const part = Object.assign(document.createElement("span"), { className: "share", textContent: share });
   item.append(sign, Object.assign(document.createElement("span"), { textContent: words }), part);
   return item;
 }
@@ -29,9 +29,10 @@ export function maskLines({ masked, solution, outline }, look) {
   const { colour, words, reasons: whys } = masked.mask;
   const { clear, reasons, tried } = masked.shares(solution, solutions.length);
   const whole = clear.reduce((sum, each) => sum + each, 0);
-  const there = solutions.filter(({ number }) => clear[number] > 0).sort((a, b) => clear[b.number] - clear[a.number]);
+  const bounds = outline.share_bounds ?? [];
+  const there = solutions.filter(({ number }) => clear[number] > 0 || bounds[number]).sort((a, b) => clear[b.number] - clear[a.number]);
   return [
-    ...list(`${words.clear}: ${percent(whole)}${tried ? "" : " so far"}`, there.map((each) => line(swatch(each.colours[look.palette], false, each.textures[look.palette]), each.name, clear[each.number]))),
-    ...list(`${words.veiled}: ${percent(1 - whole)}`, reasons.filter(({ share }) => share > 0).map(({ reason, share }) => line(swatch(colour, true), whys[reason], share))),
+    ...list(`${words.clear}: ${percent(whole)}${tried ? "" : " so far"}`, there.map((each) => line(swatch(each.colours[look.palette], false, each.textures[look.palette]), each.name, (bounds[each.number] ?? [clear[each.number]]).map(percent).join(" to ")))),
+    ...list(`${words.veiled}: ${percent(1 - whole)}`, reasons.filter(({ share }) => share > 0).map(({ reason, share }) => line(swatch(colour, true), whys[reason], percent(share)))),
   ];
 }
