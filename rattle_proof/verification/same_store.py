@@ -109,8 +109,11 @@ def _never_quiet(subject: Subject) -> Failure | None:
     """What is claimed never to fall quiet is what is counted so, and all that ends in a motion that rattles."""
     proof, core = subject.proof, subject.claims.core
     share = float(proof.never_quiet.sum(dtype=np.int64)) / (_WHOLE * proof.never_quiet.size)
-    told = proof.certificate.get("never_quiet", 0.0)
-    if abs(share - told) > _ROUNDED:
+    told = proof.certificate.get("never_quiet")
+    if told is None and share == 0.0:
+        # A store of the first edition claims nothing of the kind.
+        return None
+    if told is None or abs(share - told) > _ROUNDED:
         return contradicted("counts", f"never_quiet: {told} in the certificate, {share} in the store")
     rattles = np.ones(proof.solution.shape, np.bool_) if core is None else proof.solution != core.motion
     right = proof.never_quiet + np.where(rattles, 0, proof.proven) <= _WHOLE

@@ -131,3 +131,10 @@ def test_a_cell_that_is_said_to_rattle_and_to_fall_quiet_is_found(cell, claimed,
     found = subject(certificate(), never_quiet=claims)
     assert claims.sum() == NEVER_QUIET.sum()
     assert places(found) == [f"cell {cell}"]
+
+
+def test_a_store_of_the_first_edition_claims_of_nothing_that_it_never_falls_quiet():
+    told = certificate()
+    del told["never_quiet"]
+    assert places(subject(told, never_quiet=np.zeros_like(NEVER_QUIET))) == []
+    assert places(subject(told)) == ["counts"]
