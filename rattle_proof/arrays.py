@@ -120,6 +120,17 @@ class ProofArrays:
             self._create(FOLLOWED, (boxes,), (BOXES_A_PART,))
             self._create(TRAILS, (boxes, IMPACTS, NUMBERS), (BOXES_A_PART, IMPACTS, NUMBERS))
 
+    def make_room(self) -> None:
+        """Make room for what stores of the first edition lack, whose lattice then grows anew (driver only)."""
+        with as_store_failure(self._location):
+            if NEVER_QUIET.path in self._group:
+                return
+            self._fence()
+            proven = self._group[PROVEN.path]
+            create_array(self._group, self._job, NEVER_QUIET, proven.shape, proven.chunks)
+            if PROOF in self._group:
+                self._count(-1)
+
     def forget_lattice(self) -> None:
         """Let the lattice grow anew, from its targets on (driver only)."""
         self._fence()

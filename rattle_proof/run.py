@@ -64,6 +64,7 @@ class ProofRun:
         self._boxes = self._proven_boxes = self._rounds = 0
         self._reasons = np.zeros(len(Unproven), np.int64)
         self._sixty_fourths, self._never_quiet = np.zeros(len(attractors), np.int64), 0
+        self._proof.make_room()
         level = self._proof.levels_grown
         self._ready.extend(self._from(level) if level >= 0 else [Task(find_targets, 0, (attractors,), self._found)])
 

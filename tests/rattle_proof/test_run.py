@@ -1,11 +1,13 @@
 """A proof through the pipeline: the same bytes from one thread and from two, and after a driver has died."""
 
+import shutil
 import threading
 
 import numpy as np
 import pytest
 from distributed import Client
 
+import rattle
 from rattle_kernels import CellGrid, Oscillator
 from rattle_proof.arrays import proof_of
 from rattle_proof.enclosures.cells import WHOLE
@@ -18,6 +20,8 @@ from worker.jobs.basin_job import BasinJob
 from worker.progress import Stage
 from worker.run import run_job
 from worker.stores.basin_store import BasinStore
+from worker.stores.new_store import consolidate
+from worker.stores.opening import open_group
 
 ENCLOSING, PROVING = Stage("enclosing"), Stage("proving")
 pytestmark = pytest.mark.timeout(400)
@@ -97,6 +101,22 @@ def test_the_certificate_says_what_the_arrays_say(store):
     assert not never[ends == 1 + certificate["quiet"]["motion"]].any() and not never[0].any()
     assert (never[1:][ends[1:] > 1] == 1).all()
     assert ends.max() <= len(certificate["motions"])
+
+
+def test_a_damaged_store_of_the_first_edition_is_mended_to_one_of_this(store, tmp_path):
+    """It had no `never_quiet`: what it lacks is made, and its lattice grows anew."""
+    old = tmp_path / "old.zarr"
+    shutil.copytree(store.location, old)
+    group = open_group(str(old), "r+")
+    certificate = dict(group["proof"].attrs["certificate"])
+    del group["never_quiet"], group["proof/never_quiet"], certificate["never_quiet"]
+    group["proof"].update_attributes({"certificate": certificate})
+    consolidate(str(old))
+    assert rattle.open(old).share_proven.sum() > 0.5 and "never_quiet" not in rattle.open(old)
+    assert rattle.check(old, dry_run=True).complete
+    (old / "proven" / "c" / "0" / "0").unlink()
+    assert rattle.check(old).complete
+    assert content(str(old)) == content(store.location)
 
 
 def test_what_the_lattice_grew_from_is_gone(store):
