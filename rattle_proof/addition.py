@@ -98,7 +98,7 @@ class _Proof(Addition):
         from rattle_proof.results import shares_of
 
         proof = proof_of(store)
-        return {"proof": proof.wanted, "share_bounds": shares_of(proof.certificate)}
+        return {"proof": True, "share_bounds": shares_of(proof.certificate)} if proof.wanted else {"proof": False}
 
     def page(self) -> dict[str, Any]:
         from rattle_proof.page import PAGE
@@ -129,15 +129,15 @@ class _Proof(Addition):
         return {"levels": 0}
 
     def in_words(self, solution: Mapping[str, Any]) -> str:
-        least, most = solution.get("share_proven"), solution.get("share_at_most")
-        if least is None or most is None:
-            return ""
-        return f", proven to be {100 * least:.3f} to {100 * most:.3f} %"
-
-    def below_shares(self, dataset: Any) -> list[str]:
         from rattle_proof.results import bounds_in_words
 
-        return bounds_in_words(dataset)
+        least, most = solution.get("share_proven"), solution.get("share_at_most")
+        return "" if least is None or most is None else f", {bounds_in_words(least, most)}"
+
+    def below_shares(self, dataset: Any) -> list[str]:
+        from rattle_proof.results import bounds_in_words, certificate_in, shares_of
+
+        return [bounds_in_words(*bounds) for bounds in shares_of(certificate_in(dataset))]
 
     def results(self) -> dict[str, Callable[[Any], Any]]:
         from rattle_proof.results import certificate

@@ -129,7 +129,7 @@ class ProofArrays:
             proven = self._group[PROVEN.path]
             create_array(self._group, self._job, NEVER_QUIET, proven.shape, proven.chunks)
             if PROOF in self._group:
-                self._count(-1)
+                self.forget_lattice()
 
     def forget_lattice(self) -> None:
         """Let the lattice grow anew, from its targets on (driver only)."""

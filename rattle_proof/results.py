@@ -89,10 +89,14 @@ def with_proof(dataset: xr.Dataset, open_group: Callable[[str], xr.Dataset]) -> 
     ).assign_attrs(certificate=certificate)
 
 
-def bounds_in_words(dataset: xr.Dataset) -> list[str]:
-    """Between which bounds the share of each motion is proven to lie; nothing until it is."""
-    told = json.loads(dataset.attrs["certificate"]) if "certificate" in dataset.attrs else None
-    return [f"proven: {100.0 * least:.2f} % to {100.0 * most:.2f} %" for least, most in shares_of(told)]
+def bounds_in_words(least: float, most: float) -> str:
+    """Between which bounds a share is proven to lie."""
+    return f"proven: {100.0 * least:.2f} % to {100.0 * most:.2f} %"
+
+
+def certificate_in(dataset: xr.Dataset) -> dict[str, Any] | None:
+    """The certificate of an opened basin; None where nothing is proven."""
+    return json.loads(dataset.attrs["certificate"]) if "certificate" in dataset.attrs else None
 
 
 def certificate(dataset: xr.Dataset) -> dict[str, Any]:
@@ -119,9 +123,9 @@ def certificate(dataset: xr.Dataset) -> dict[str, Any]:
     >>> basin.rattle.certificate["quiet"]["level"] > 0.09
     True
     """
-    if "certificate" not in dataset.attrs:
+    found = certificate_in(dataset)
+    if found is None:
         raise InvalidJob("nothing is proven of this basin: compute it with prove=True", ("prove",))
-    found: dict[str, Any] = json.loads(dataset.attrs["certificate"])
     return found
 
 

@@ -75,12 +75,8 @@ def _summary(basin: xr.Dataset) -> dict[str, Any]:
         "solutions": [
             {"name": name, "share": float(share), "proven": float(least), "at_most": float(most)}
             for name, share, least, most in zip(
-                basin.name.values,
-                basin.share.values,
-                basin.share_proven.values,
-                basin.share_at_most.values,
-                strict=True,
-            )  # fmt: skip
+                *(basin[each].values for each in ("name", "share", "share_proven", "share_at_most")), strict=True
+            )
         ],
     }
 

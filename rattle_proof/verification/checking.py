@@ -7,12 +7,11 @@ from typing import Literal
 import numpy as np
 
 from rattle_proof.verification.same_store import same_store
+from rattle_proof.verification.samples import WHOLE
 from rattle_proof.verification.targets.discs import discs
 from rattle_proof.verification.targets.quiet import COLUMNS, acceleration_at_rest
 from rattle_proof.verification.verdict import Part, Verification
 from rattle_proof.verification.work import Crew, Subject, subject_at
-
-_WHOLE = 64
 
 Counting = Callable[[str, int, int], None]
 
@@ -64,7 +63,7 @@ def _tried_one_by_one(
         chosen = np.unique(np.concatenate([rest, chosen]), axis=0)
         found.append(("rattling boxes", Part("boxes that never fall quiet", len(places)), chosen))
     # Where all of a cell is proven to end in a motion, that is tried below.
-    rattling = np.argwhere((proof.never_quiet > 0) & (proof.proven < _WHOLE))
+    rattling = np.argwhere((proof.never_quiet > 0) & (proof.proven < WHOLE))
     if rattling.size:
         part = Part("cells that never fall quiet", len(rattling))
         found.append(("rattling cells", part, _some(rattling, cells, random)))

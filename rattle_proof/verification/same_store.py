@@ -11,10 +11,10 @@ from rattle_proof.verification.claims import Lattice
 from rattle_proof.verification.ends import in_disc
 from rattle_proof.verification.machine import cover, holds
 from rattle_proof.verification.moving import box
+from rattle_proof.verification.samples import WHOLE
 from rattle_proof.verification.verdict import Failure, Part, contradicted
 from rattle_proof.verification.work import Subject
 
-_WHOLE = 64
 # How much a share may differ from what is counted: a mean of doubles is rounded.
 _ROUNDED = 1e-12
 
@@ -89,7 +89,7 @@ def _counts(subject: Subject) -> Failure | None:
         return None
     found = {
         "cells": proof.proven.size,
-        "whole": int((proof.proven == _WHOLE).sum()),
+        "whole": int((proof.proven == WHOLE).sum()),
         "boxes": lattice.size,
         "proven_boxes": int(np.count_nonzero(lattice)),
         "rounds": int(proof.arrays["rounds"].max()),
@@ -100,7 +100,7 @@ def _counts(subject: Subject) -> Failure | None:
     if failure := _never_quiet(subject):
         return failure
     parts = np.bincount(proof.solution.ravel(), proof.proven.ravel(), len(proof.attractors))
-    if len(shares) != len(parts) or not np.allclose(shares, parts / (_WHOLE * proof.proven.size), 0.0, _ROUNDED):
+    if len(shares) != len(parts) or not np.allclose(shares, parts / (WHOLE * proof.proven.size), 0.0, _ROUNDED):
         return contradicted("shares", "the certificate has other shares than the cells of the store")
     return None
 
@@ -108,7 +108,7 @@ def _counts(subject: Subject) -> Failure | None:
 def _never_quiet(subject: Subject) -> Failure | None:
     """What is claimed never to fall quiet is what is counted so, and all that ends in a motion that rattles."""
     proof, core = subject.proof, subject.claims.core
-    share = float(proof.never_quiet.sum(dtype=np.int64)) / (_WHOLE * proof.never_quiet.size)
+    share = float(proof.never_quiet.sum(dtype=np.int64)) / (WHOLE * proof.never_quiet.size)
     told = proof.certificate.get("never_quiet")
     if told is None and share == 0.0:
         # A store of the first edition claims nothing of the kind.
@@ -116,7 +116,7 @@ def _never_quiet(subject: Subject) -> Failure | None:
     if told is None or abs(share - told) > _ROUNDED:
         return contradicted("counts", f"never_quiet: {told} in the certificate, {share} in the store")
     rattles = np.ones(proof.solution.shape, np.bool_) if core is None else proof.solution != core.motion
-    right = proof.never_quiet + np.where(rattles, 0, proof.proven) <= _WHOLE
+    right = proof.never_quiet + np.where(rattles, 0, proof.proven) <= WHOLE
     right &= ~rattles | (proof.never_quiet >= proof.proven)
     if right.all():
         return None

@@ -16,7 +16,9 @@ from rattle_proof.verification.verdict import Failure, contradicted, undecided
 _DEPTH, _DEPTH_OF_PART = 18, 6
 # How often a 64th of a cell is cut and the tolerances are, one try after the other.
 _OF_ONE, _OF_MANY = ((0, 0), (_DEPTH_OF_PART, 0)), ((0, 0), (0, CUTS), (_DEPTH_OF_PART, CUTS))
-_CUT, _WHOLE = 8, 64
+_CUT = 8
+WHOLE = 64
+"""Parts of a cell that are counted."""
 _LONGEST = 16
 
 
@@ -48,7 +50,7 @@ def try_cell(ends: Ends, plane: Plane, row: int, column: int) -> Failure | None:
     """Prove that all departures of a cell end as it is coloured; or of as many 64ths of it as is claimed."""
     end, claimed = 1 + int(plane.solution[row, column]), int(plane.proven[row, column])
     place = f"cell ({row}, {column})"
-    if claimed < _WHOLE:
+    if claimed < WHOLE:
         return _try_parts(ends, place, plane.cell(row, column, _CUT), end, claimed, ends.of)
     ((t, v),) = plane.cell(row, column)
     # To the targets alone first, for the lattice has been looked at in a sample only.
@@ -61,7 +63,7 @@ def try_cell(ends: Ends, plane: Plane, row: int, column: int) -> Failure | None:
 def try_cell_that_rattles(ends: Ends, plane: Plane, row: int, column: int) -> Failure | None:
     """Prove that of as many 64ths of a cell as is claimed no departure falls quiet."""
     claimed, place = int(plane.never_quiet[row, column]), f"cell ({row}, {column})"
-    if claimed == _WHOLE:
+    if claimed == WHOLE:
         ((t, v),) = plane.cell(row, column)
         if lost_part(ends, t, v, NEVER_QUIET, _LONGEST, ends.quiet_or_not, _DEPTH_OF_PART) is None:
             return None

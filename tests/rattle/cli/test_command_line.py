@@ -178,7 +178,7 @@ def test_a_basin_is_proven_within_tolerances(tmp_path):
     ]
     done = CliRunner().invoke(app, ["basin", *proven, "--tolerance", "damping=0.5999999:0.6000001"])
     assert done.exit_code == 0, done.output
-    assert "%, proven to be " in done.output
+    assert "%, proven: " in done.output
     with xr.open_zarr(tmp_path / "it.zarr", group="proof") as proof:
         assert proof.attrs["certificate"]["machine"]["damping"] == [0.5999999, 0.6000001]
 
