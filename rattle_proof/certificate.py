@@ -11,10 +11,10 @@ import numpy as np
 from rattle_kernels import Attractor, AttractorKind
 from rattle_proof.enclosures.cells import IMPACTS as OF_A_CELL
 from rattle_proof.enclosures.growth import IMPACTS as OF_A_TRAIL
-from rattle_proof.enclosures.lattice import Lattice
+from rattle_proof.enclosures.lattice import UNPROVEN, Lattice
 from rattle_proof.enclosures.machine import Machine, parts_of
 from rattle_proof.enclosures.orbit_disc import OrbitDisc, disc_rows
-from rattle_proof.enclosures.targets import NO_QUIET, NOTHING_KNOWN, Certificate, Targets
+from rattle_proof.enclosures.targets import NO_QUIET, NOTHING_KNOWN, RATTLES, Certificate, Targets
 
 
 def certificate_of(
@@ -47,7 +47,7 @@ def certificate_of(
         "motions": [each.name for each in attractors],
         "quiet": {"motion": quiet[0], "level": proven.level} if quiet else None,
         "discs": [_disc(motion, disc) for motion, disc in proven.discs.items()],
-        "rattling": None if proven.rattling is None else {"motion": proven.rattling, **_place(rattling)},
+        "rattling": None if rattling is NOTHING_KNOWN else {"motion": proven.rattling, **_place(rattling)},
         "lattice": {
             "height": lattice.height / 2**cuts,
             "first": lattice.first * 2**cuts,
@@ -101,7 +101,8 @@ def targets_of(certificate: dict[str, Any], ends: np.ndarray, rattles: np.ndarra
     }
     rattling, place = NOTHING_KNOWN, certificate["rattling"]
     if place is not None:
-        known = np.where(rattles, 1 + place["motion"], 0).astype(np.uint16)
+        end = RATTLES if place["motion"] is None else 1 + place["motion"]
+        known = np.where(rattles, end, UNPROVEN).astype(np.uint16)
         rattling = Lattice(place["height"], place["first"], known)
     quiet = NO_QUIET if certificate["quiet"] is None else 1 + certificate["quiet"]["motion"]
     return Targets(lattice, rattling, disc_rows(discs), quiet, lattice._replace(ends=never_quiet))

@@ -19,7 +19,7 @@ from rattle_proof.enclosures.cells import prove_cells
 from rattle_proof.enclosures.growth import empty_trails, follow_all, grow_all, never_quiet
 from rattle_proof.enclosures.lattice import UNPROVEN, common_ends, refined
 from rattle_proof.enclosures.machine import Machine, centre_of, parts_of
-from rattle_proof.enclosures.targets import Certificate, Targets, prove_targets
+from rattle_proof.enclosures.targets import RATTLES, Certificate, Targets, prove_targets
 from rattle_proof.layout import NEVER_QUIET, PROVEN, UNPROVEN_REASON, Unproven
 from rattle_proof.request import LEVELS, asked_of, first_columns, machine_asked_of
 from worker.cluster.calls import stop_if_cancelled
@@ -124,6 +124,8 @@ def grow_lattice(location: str, digest: str, level: int) -> GrowthReceipt:
     stop_if_cancelled()
     begin = time.perf_counter()
     ends, rounds = known.targets.lattice.ends.copy(), known.rounds.copy()
+    rattles = followed == RATTLES
+    followed[rattles] = UNPROVEN
     # What comes to a target at once, or to what the lattice knew before, is proven in a round of its own.
     rows, columns = known.boxes[followed != UNPROVEN].T
     ends[rows, columns] = followed[followed != UNPROVEN]
@@ -135,7 +137,8 @@ def grow_lattice(location: str, digest: str, level: int) -> GrowthReceipt:
     proof_of(store).write_lattice(level + 1, last, ends, rounds)
     if last:
         begin = time.perf_counter()
-        rattling = never_quiet(ends, known.targets.quiet, known.boxes, trails, stop_if_cancelled, len(known.parts))
+        asked = known.boxes[~rattles], trails[~rattles]
+        rattling = never_quiet(ends, known.targets.quiet, *asked, stop_if_cancelled, len(known.parts))
         seconds += time.perf_counter() - begin
         proof_of(store).write_never_quiet(rattling)
     return GrowthReceipt(ends.size, int(np.count_nonzero(ends)), int(rounds.max()), seconds)

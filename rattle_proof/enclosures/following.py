@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 from rattle_kernels.numerics.jit import inlined_as_written
 from rattle_proof.enclosures.interval import width
-from rattle_proof.enclosures.lattice import UNPROVEN, end_of
+from rattle_proof.enclosures.lattice import UNPROVEN
 from rattle_proof.enclosures.moving_set import advance, set_out, strip_of
-from rattle_proof.enclosures.targets import proven_end
+from rattle_proof.enclosures.targets import proven_end, rattles
 
 # Why a box is not proven.
 ARRIVES_NOWHERE = 1
@@ -50,7 +50,7 @@ def follow(machine, oscillator, targets, box, impacts):
         end = proven_end(targets, moving, strip)
         if end != UNPROVEN:
             return Followed(end, 0, end != targets.quiet)
-        never_quiet = never_quiet or end_of(targets.never_quiet, strip) != UNPROVEN
+        never_quiet = never_quiet or rattles(targets, strip)
         if n == impacts:
             break
         proven, moving = advance(machine, oscillator, moving)

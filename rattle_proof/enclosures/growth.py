@@ -20,7 +20,7 @@ from rattle_proof.enclosures.interval import Interval, down, up, width
 from rattle_proof.enclosures.lattice import UNPROVEN, Lattice, Strip, box_at, find_end
 from rattle_proof.enclosures.machine import Machine
 from rattle_proof.enclosures.moving_set import advance, set_out, strip_of
-from rattle_proof.enclosures.targets import Targets, proven_end
+from rattle_proof.enclosures.targets import RATTLES, Targets, proven_end, rattles
 
 IMPACTS = 4
 """Length of a trail."""
@@ -81,14 +81,17 @@ def follow_boxes(machine, oscillator, targets, boxes, ends, trails):
     boxes : ndarray of int32, shape (boxes, 2)
         Their rows and columns.
     ends : ndarray of uint16, shape (boxes,)
-        Filled with the ends of boxes that come to a target at once.
+        Filled with the ends of boxes that come to a target at once, RATTLES where all that is known is that none of a
+        box falls quiet.
     trails : ndarray
         Of `empty_trails`. Filled with the strips that hold the images; not numbers where one is not known.
     """
     trails[:] = np.nan
     for k in range(boxes.shape[0]):
         moving = set_out(box_at(targets.lattice, int(boxes[k, 0]), int(boxes[k, 1])), False)
-        ends[k] = proven_end(targets, moving, strip_of(moving))
+        strip = strip_of(moving)
+        ends[k] = proven_end(targets, moving, strip)
+        on = rattles(targets, strip)
         for n in range(IMPACTS):
             if ends[k] != UNPROVEN:
                 break
@@ -97,7 +100,10 @@ def follow_boxes(machine, oscillator, targets, boxes, ends, trails):
                 break
             strip = strip_of(moving)
             ends[k] = proven_end(targets, moving, strip)
+            on = on or rattles(targets, strip)
             _write(trails[k, n], targets.lattice, strip)
+        if ends[k] == UNPROVEN and on:
+            ends[k] = RATTLES
 
 
 def follow_all(
@@ -229,7 +235,8 @@ def never_quiet(
     quiet : int
         What boxes carry that fall quiet.
     boxes : ndarray of int32, shape (boxes, 2)
-        Rows and columns of those that were followed: all that are not proven, and maybe others.
+        Rows and columns of those of which it is to be shown: all that are not proven, but for those that come to a set
+        that rattles for ever; and maybe others.
     trails : ndarray
         Of those.
     pause : callable

@@ -16,14 +16,18 @@ from rattle_proof.enclosures.lattice import UNPROVEN, Lattice, box_at, empty_lat
 from rattle_proof.enclosures.machine import Machine, acceleration, error_at
 from rattle_proof.enclosures.orbit_disc import OrbitDisc, disc_rows, lies_in_disc, orbit_disc
 from rattle_proof.enclosures.quiet_core import quiet_level
-from rattle_proof.enclosures.rattling_set import rattling_set
+from rattle_proof.enclosures.rattling_set import Search, rattling_set, wandering
 
 COLUMNS = 1024
 """Columns of the first lattice."""
+# How many times as many a set that rattles for ever may have.
+_FINER = 32
 
 
 NO_QUIET = 2**16 - 1
 """End of no motion: none was found to fall quiet."""
+RATTLES = 2**16 - 2
+"""End of what rattles for ever, in whichever motions."""
 NOTHING_KNOWN = Lattice(1.0, 0, np.zeros((1, 1), np.uint16))
 """A lattice without boxes."""
 
@@ -31,8 +35,9 @@ NOTHING_KNOWN = Lattice(1.0, 0, np.zeros((1, 1), np.uint16))
 class Targets(NamedTuple):
     """Proven places. An *end* is 1 + the number of a motion, UNPROVEN where there is none.
 
-    ``discs``, shape (discs, 8), is as `disc_rows` has it. ``quiet`` is the end of what falls quiet, and ``never_quiet``
-    has 1 in boxes of which nothing does, once the lattice has grown.
+    ``rattling`` carries the end of the chaotic motion that its boxes hold alone, or RATTLES. ``discs``, shape
+    (discs, 8), is as `disc_rows` has it. ``quiet`` is the end of what falls quiet, and ``never_quiet`` has 1 in boxes of
+    which nothing does, once the lattice has grown.
     """
 
     lattice: Lattice
@@ -46,7 +51,8 @@ class Certificate(NamedTuple):
     """What was proven of an oscillator's motions.
 
     ``level``: departures ``v^3 < level a(t)`` fall quiet. ``discs``: around orbits, by the number of the motion.
-    ``rattling``: number of the chaotic motion with a set that is never left, None if there is none.
+    ``rattling``: number of the chaotic motion that the set which is never left holds alone; None if it holds others, or
+    there is none.
     """
 
     level: float
@@ -62,12 +68,18 @@ def proven_end(targets, moving, strip):
     if end != UNPROVEN:
         return end
     end = end_of(targets.rattling, strip)
-    if end != UNPROVEN:
+    if end != UNPROVEN and end != RATTLES:
         return end
     for i in range(targets.discs.shape[0]):
         if lies_in_disc(targets.discs[i], moving):
             return int(targets.discs[i, 0])
     return UNPROVEN
+
+
+@inlined_as_written
+def rattles(targets, strip):
+    """Whether no departure of a strip is known to fall quiet, be it that nothing is known of its end."""
+    return end_of(targets.rattling, strip) != UNPROVEN or end_of(targets.never_quiet, strip) != UNPROVEN
 
 
 @kernel_as_written
@@ -123,12 +135,38 @@ def prove_targets(
         if disc is not None:
             discs[n] = disc
     rattling, chaos = NOTHING_KNOWN, None
+    search = Search(machine, oscillator, _edge_of_core(machine, level), _FINER * columns, pause)
     for n, each in enumerate(attractors):
-        found = rattling_set(machine, oscillator, each, 1 + n, pause) if each.is_chaotic and chaos is None else None
+        found = rattling_set(search, each.time, each.velocity, 1 + n) if each.is_chaotic and chaos is None else None
         others = [other for other in attractors if other is not each]
         if found is not None and _holds_no_other(machine, found, level, discs.values(), others):
             rattling, chaos = found, n
+    if chaos is None:
+        rattling = _what_rattles(search, level, top)
     return Certificate(level, discs, chaos, Targets(lattice, rattling, disc_rows(discs), quiet, NOTHING_KNOWN))
+
+
+def _edge_of_core(machine: Machine, level: float) -> float:
+    """The fastest that a departure of the quiet core may be."""
+    return math.cbrt(level * machine.greatest_acceleration)
+
+
+def _what_rattles(search: Search, level: float, top: float) -> Lattice:
+    """A set that rattles for ever around trajectories that do so for long, whichever motions they come to."""
+    for t, v in wandering(search.oscillator, top):
+        search.pause()
+        found = rattling_set(search, t, v, RATTLES)
+        if found is not None and _lies_above_core(search.machine, found, level):
+            return found
+    return NOTHING_KNOWN
+
+
+def _lies_above_core(machine: Machine, rattling: Lattice, level: float) -> bool:
+    rows, _ = np.nonzero(rattling.ends)
+    if rows.size == 0:
+        return False
+    lowest = (rattling.first + rows.min()) * rattling.height
+    return bool(down(down(lowest * lowest) * lowest) > up(level * machine.greatest_acceleration))
 
 
 def quiet_end(attractors: Sequence[Attractor]) -> int:
@@ -154,12 +192,9 @@ def _holds_no_other(
     A motion of the set that fell quiet would enter the core; one that came to an orbit would enter its disc. A motion
     without a disc is known by numbers only: were it inside, its departures would be said to end otherwise.
     """
+    if not _lies_above_core(machine, rattling, level):
+        return False
     rows, columns = np.nonzero(rattling.ends)
-    if rows.size == 0:
-        return False
-    lowest = (rattling.first + rows.min()) * rattling.height
-    if not down(down(lowest * lowest) * lowest) > up(level * machine.greatest_acceleration):
-        return False
     for disc in discs:
         near_t, near_v = disc.half_sides
         distance = np.abs((columns + 0.5) / rattling.ends.shape[1] - disc.t)

@@ -7,6 +7,10 @@ import numpy as np
 from rattle_proof.verification.machine import Machine
 
 
+RATTLES = 2**16 - 2
+"""End of what rattles for ever, in whichever motions."""
+
+
 class Disc(NamedTuple):
     """Departures x with ``|frame (x - (t, v))| < radius``: all end in the orbit that returns after `impacts`."""
 
@@ -28,7 +32,8 @@ class Core(NamedTuple):
 class Lattice(NamedTuple):
     """Boxes ``[j, j + 1]/columns`` by ``[first + i, first + i + 1] height``.
 
-    ``ends`` carries 1 + the number of a motion, 0 where nothing is claimed; ``rounds`` tells in which round.
+    ``ends`` carries 1 + the number of a motion, 0 where nothing is claimed, RATTLES where all that is claimed is that
+    none of it falls quiet; ``rounds`` tells in which round.
     """
 
     height: float
@@ -79,7 +84,8 @@ def claims_of(certificate: dict[str, Any], arrays: dict[str, np.ndarray]) -> Cla
     quiet, chaos, grid = certificate["quiet"], certificate["rattling"], certificate["lattice"]
     rattling = None
     if chaos is not None:
-        held = np.where(arrays["rattling"] > 0, 1 + int(chaos["motion"]), 0).astype(np.uint16)
+        end = RATTLES if chaos["motion"] is None else 1 + int(chaos["motion"])
+        held = np.where(arrays["rattling"] > 0, end, 0).astype(np.uint16)
         rattling = Lattice(float(chaos["height"]), int(chaos["first"]), held, np.zeros_like(held))
     parts = tuple(Machine.of(each) for each in certificate.get("parts") or [certificate["machine"]])
     place = float(grid["height"]), int(grid["first"])

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from flint import arb
 
-from rattle_proof.verification.claims import Claims, Core, Disc, Lattice
+from rattle_proof.verification.claims import RATTLES, Claims, Core, Disc, Lattice
 from rattle_proof.verification.machine import Machine, ball
 from rattle_proof.verification.moving import Moving, Strip
 
@@ -80,18 +80,22 @@ class Ends:
     def quiet_or_not(self, moving: Moving) -> int:
         """The end of what falls quiet, or NEVER_QUIET, if one of both is claimed of all of a set."""
         end = self.of(moving)
-        if end == NOWHERE:
-            end = NEVER_QUIET * end_in(self.claims.never_quiet, moving.strip)
+        if end == NOWHERE and (end_in(self.claims.never_quiet, moving.strip) or self._in_rattling_set(moving)):
+            end = NEVER_QUIET
         return end if end in (NOWHERE, self.claims.quiet) else NEVER_QUIET
 
     def at_target(self, moving: Moving) -> int:
-        """The end whose core, disc or rattling set holds all of a set."""
+        """The motion whose core, disc or rattling set holds all of a set."""
         core = self.claims.core
         if core is not None and in_core(self.machine, core, moving.all_t, moving.all_v):
             return 1 + core.motion
         for disc in self.claims.discs:
             if in_disc(disc, moving):
                 return 1 + disc.motion
+        end = self._in_rattling_set(moving)
+        return NOWHERE if end == RATTLES else end
+
+    def _in_rattling_set(self, moving: Moving) -> int:
         return NOWHERE if self.claims.rattling is None else end_in(self.claims.rattling, moving.strip)
 
 

@@ -7,7 +7,7 @@ from flint import arb
 
 from rattle_kernels import Attractor, AttractorKind
 from rattle_proof.request import asked_of
-from rattle_proof.verification.claims import Lattice
+from rattle_proof.verification.claims import RATTLES, Lattice
 from rattle_proof.verification.ends import in_disc
 from rattle_proof.verification.machine import cover, holds
 from rattle_proof.verification.moving import box
@@ -64,7 +64,7 @@ def _motions(subject: Subject) -> Failure | None:
     right &= claims.core is None or kinds.get(claims.core.motion) == AttractorKind.PERMANENT_CONTACT
     if not right:
         return contradicted("motions", f"the store has {', '.join(names)}")
-    if claims.rattling is None:
+    if claims.rattling is None or claims.rattling.ends.max() == RATTLES:
         return None
     chaos = int(claims.rattling.ends.max()) - 1
     inside = [each.name for n, each in enumerate(attractors) if n != chaos and _visits(each, claims.rattling)]

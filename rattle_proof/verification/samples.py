@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from flint import arb
 
-from rattle_proof.verification.claims import Claims, Disc, Lattice
+from rattle_proof.verification.claims import RATTLES, Claims, Disc, Lattice
 from rattle_proof.verification.ends import NEVER_QUIET, NOWHERE, Ends, box_of, boxes_of, end_in, in_frame
 from rattle_proof.verification.following import CUTS, Arriving, Lost, failure_of, lost_part
 from rattle_proof.verification.machine import Machine, ball
@@ -117,12 +117,12 @@ def try_box_that_rattles(ends: Ends, trail: int, row: int, column: int) -> Failu
 
 
 def try_rattling_box(claims: Claims, rattling: Lattice, row: int, column: int) -> Failure | None:
-    """Prove that P maps a box of the rattling set into the set, and that the box lies apart from all else."""
+    """Prove that P maps a box of the rattling set into the set, and that it lies apart from where motions end otherwise."""
     place = f"box ({row}, {column}) of the rattling set"
     t, v = box_of(rattling, row, column)
     if claims.core is not None and not v**3 > claims.core.level * claims.machine.acceleration(t):
         return contradicted(place, "it may hold departures of the quiet core")
-    for disc in claims.discs:
+    for disc in claims.discs if rattling.ends[row, column] != RATTLES else ():
         if not _apart(disc, t, v, _DEPTH):
             return contradicted(place, f"it may hold departures of the disc around t = {disc.t}, v = {disc.v}")
     waiting = [(t, v, _DEPTH)]

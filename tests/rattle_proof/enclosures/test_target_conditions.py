@@ -103,8 +103,25 @@ def test_a_set_with_another_motion_is_no_target(monkeypatch, clear):
     monkeypatch.setattr(targets, "rattling_set", lambda *_: found)
     monkeypatch.setattr(targets, "_holds_no_other", lambda *_: clear)
     monkeypatch.setattr(targets, "largest_grazing_speed", lambda _: 5.0)
+    monkeypatch.setattr(targets, "wandering", lambda *_: [])
     proven = targets.prove_targets(machine_of(FIG_7), FIG_7, [chaos], columns=8)
     assert (proven.rattling == 0) == clear and (proven.targets.rattling is found) == clear
+
+
+@pytest.mark.parametrize("level", [0.0, 100.0])
+def test_a_set_around_what_wanders_is_one_in_which_nothing_falls_quiet_if_it_lies_above_the_core(monkeypatch, level):
+    """Whichever motions it holds: it has the end of none."""
+    found, asked = rattling((5, 16)), []
+    monkeypatch.setattr(targets, "quiet_level", lambda *_, pause: level)
+    monkeypatch.setattr(targets, "rattling_set", lambda search, t, v, end: asked.append((t, v, end)) or found)
+    monkeypatch.setattr(targets, "largest_grazing_speed", lambda _: 5.0)
+    monkeypatch.setattr(targets, "wandering", lambda *_: [(1, 2), (3, 4)])
+    proven = targets.prove_targets(machine_of(FIG_7), FIG_7, [], columns=8)
+    assert proven.rattling is None
+    if level:
+        assert proven.targets.rattling is targets.NOTHING_KNOWN and len(asked) == 2, "the later seeds are tried, too"
+    else:
+        assert proven.targets.rattling is found and asked == [(1, 2, targets.RATTLES)]
 
 
 def test_boxes_of_the_core_lie_in_it_with_all_their_departures():

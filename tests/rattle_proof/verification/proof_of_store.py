@@ -6,7 +6,7 @@ from rattle_proof.enclosures.cells import prove_cells
 from rattle_proof.enclosures.growth import empty_trails, follow_boxes, grow_all, never_quiet
 from rattle_proof.enclosures.lattice import UNPROVEN, refined
 from rattle_proof.enclosures.machine import machine_of
-from rattle_proof.enclosures.targets import prove_targets
+from rattle_proof.enclosures.targets import NOTHING_KNOWN, RATTLES, prove_targets
 from worker.stores import layout
 from worker.stores.basin_store import BasinStore
 from worker.stores.new_store import consolidate, create_array
@@ -49,11 +49,13 @@ def grown(machine, oscillator, targets, lattices):
         boxes = np.argwhere(lattice.ends == UNPROVEN).astype(np.int32)
         ends, trails = np.zeros(len(boxes), np.uint16), empty_trails(len(boxes))
         follow_boxes(machine, oscillator, targets, boxes, ends, trails)
+        rattles = ends == RATTLES
+        ends[rattles] = UNPROVEN
         # They come to boxes of rounds before.
         rounds[tuple(boxes[ends != UNPROVEN].T)] = rounds.max() + 1
         lattice.ends[tuple(boxes.T)] = ends
         grow_all(lattice.ends, rounds, boxes, trails)
-    rattling = never_quiet(lattice.ends, targets.quiet, boxes, trails)
+    rattling = never_quiet(lattice.ends, targets.quiet, boxes[~rattles], trails[~rattles])
     return targets._replace(never_quiet=lattice._replace(ends=rattling)), rounds
 
 
@@ -70,7 +72,7 @@ def _write(location, certificate, machine, targets, rounds, names, attractors):
             {"motion": n, "impacts": d.impacts, "t": d.t, "v": d.v, "frame": d.frame.tolist(), "radius": d.radius}
             for n, d in certificate.discs.items()
         ],
-        "rattling": None if certificate.rattling is None else {
+        "rattling": None if rattling is NOTHING_KNOWN else {
             "motion": certificate.rattling, "height": rattling.height, "first": rattling.first,
             "columns": rattling.ends.shape[1],
         },
@@ -82,7 +84,7 @@ def _write(location, certificate, machine, targets, rounds, names, attractors):
     }  # fmt: skip
     group = open_group(location, "r+").create_group("proof", attributes={"certificate": told})
     arrays = {"ends": lattice.ends, "rounds": rounds, "never_quiet": targets.never_quiet.ends.astype(np.uint8)}
-    if certificate.rattling is not None:
-        arrays["rattling"] = rattling.ends
+    if rattling is not NOTHING_KNOWN:
+        arrays["rattling"] = (rattling.ends != UNPROVEN).astype(np.uint8)
     for name, values in arrays.items():
         group.create_array(name, shape=values.shape, dtype=values.dtype, chunks=(_CHUNK, _CHUNK))[...] = values
