@@ -1,12 +1,13 @@
-"""Proofs of basins, beside `rattle`: of each cell, that every departure in it ends as the cell is coloured.
+"""Proofs beside `rattle`: of each cell of a basin, that every departure in it ends as it is coloured; and of chaos.
 
-`enclosures` has the mathematics, `verification` proves again what a store claims, by other means.
+`enclosures` has the mathematics, `verification` proves again what a store claims, by other means. `chaos` has what is
+proven of chaotic motions.
 
 Floors, the highest first; each imports from lower ones alone ::
 
     command
-    verifying | addition
-    verification
+    verifying | proving_chaos | addition
+    verification | chaos
     arguments | page | results | routes | run | unproven
     tasks
     certificate | stored_proof
@@ -15,12 +16,20 @@ Floors, the highest first; each imports from lower ones alone ::
     enclosures
 """
 
+from rattle_proof.proving_chaos import ProvenChaos, prove_chaos
 from rattle_proof.verifying import verify
 
-__all__ = ["verify"]
+__all__ = ["ProvenChaos", "prove_chaos", "verify"]
 COMMAND = (
     "rattle_proof.command:verify",
     "Prove again, by Arb balls, what a basin's store claims to be proven; exit with 1 if anything is not.",
     ("rattle verify basin.zarr --cells 1000", "rattle verify basin.zarr --boxes all"),
 )
 """``rattle verify``: the entry point `verify` of `rattle.commands` names it."""
+
+CHAOS = (
+    "rattle_proof.command:prove_chaos",
+    "Prove that chaos is chaos: its topological entropy is positive, and its short cycles repel.",
+    ("rattle prove-chaos --damping 0.65", "rattle prove-chaos --tolerance damping=0.5999:0.6001 --cycles 0"),
+)
+"""``rattle prove-chaos``: the entry point `prove-chaos` of `rattle.commands` names it."""

@@ -1,13 +1,16 @@
-"""The command that proves again what a store claims to be proven."""
+"""The commands of proofs."""
 
 import json
 from dataclasses import asdict
+from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.table import Table
 
-from rattle.cli.console import give_up, out, progress_line
+from rattle.cli.console import announced_compiling, give_up, out, progress_line
+from rattle_kernels import Oscillator, OutsideDomain
+from rattle_proof.proving_chaos import prove_chaos as chaos_proven
 from rattle_proof.verification.verdict import Verification
 from rattle_proof.verifying import verify as prove_again
 from worker.errors import WorkerError
@@ -40,6 +43,48 @@ def verify(
     _say(found)
     if not found.holds:
         raise typer.Exit(1)
+
+
+def prove_chaos(
+    machine: Annotated[
+        Path | None, typer.Argument(help="TOML file of a machine in its own units; without it, these numbers")
+    ] = None,
+    damping: Annotated[float, typer.Option(help="delta")] = 0.6,
+    eccentricity: Annotated[float, typer.Option(help="epsilon")] = 0.1,
+    half_backlash: Annotated[float, typer.Option(help="beta")] = 0.6,
+    restitution: Annotated[float, typer.Option(help="r; 1 is elastic")] = 1.0,
+    tolerance: Annotated[
+        list[str] | None, typer.Option(help="For every machine within, as in damping=0.5999:0.6001; several")
+    ] = None,
+    columns: Annotated[int, typer.Option(help="Boxes for a period, at least: a power of two")] = 2048,
+    leaves: Annotated[int, typer.Option(help="Curves across the set that are tried")] = 200,
+    cycles: Annotated[int, typer.Option(help="Impacts of the longest cycles that are looked at")] = 3,
+    seed: Annotated[int, typer.Option(min=0, help="Of the departures from which chaos is sought")] = 0,
+    as_json: Annotated[bool, typer.Option("--json", help="Print what is found as JSON alone")] = False,
+) -> None:
+    """Prove that chaos is chaos: its topological entropy is positive, and its short cycles repel."""
+    out.quiet |= as_json
+    try:
+        with announced_compiling():
+            found = chaos_proven(
+                machine or Oscillator(damping, eccentricity, half_backlash, restitution=restitution),
+                tolerances=dict(map(_tolerance, tolerance or ())), columns=columns, leaves=leaves, cycles=cycles,
+                seed=seed,
+            )  # fmt: skip
+    except (WorkerError, OutsideDomain) as error:
+        give_up(str(error), 2)
+    if as_json:
+        typer.echo(json.dumps(found.to_dict(), indent=2))
+    _line(str(found))
+
+
+def _tolerance(text: str) -> tuple[str, tuple[float, float]]:
+    name, _, ends = text.partition("=")
+    try:
+        least, greatest = map(float, ends.split(":"))
+    except ValueError:
+        give_up(f"--tolerance {text}: write it as in damping=0.5999:0.6001", 2)
+    return name.strip().replace("-", "_"), (least, greatest)
 
 
 def _say(found: Verification) -> None:

@@ -36,8 +36,8 @@ class Targets(NamedTuple):
     """Proven places. An *end* is 1 + the number of a motion, UNPROVEN where there is none.
 
     ``rattling`` carries the end of the chaotic motion that its boxes hold alone, or RATTLES. ``discs``, shape
-    (discs, 8), is as `disc_rows` has it. ``quiet`` is the end of what falls quiet, and ``never_quiet`` has 1 in boxes of
-    which nothing does, once the lattice has grown.
+    (discs, 8), is as `disc_rows` has it. ``quiet`` is the end of what falls quiet, and ``never_quiet`` has 1 in boxes
+    of which nothing does, once the lattice has grown.
     """
 
     lattice: Lattice

@@ -6,7 +6,6 @@ import numpy as np
 
 from rattle_proof.verification.machine import Machine
 
-
 RATTLES = 2**16 - 2
 """End of what rattles for ever, in whichever motions."""
 

@@ -117,7 +117,7 @@ def try_box_that_rattles(ends: Ends, trail: int, row: int, column: int) -> Failu
 
 
 def try_rattling_box(claims: Claims, rattling: Lattice, row: int, column: int) -> Failure | None:
-    """Prove that P maps a box of the rattling set into the set, and that it lies apart from where motions end otherwise."""
+    """Prove that P maps a box of the rattling set into the set, and that it lies apart from what ends otherwise."""
     place = f"box ({row}, {column}) of the rattling set"
     t, v = box_of(rattling, row, column)
     if claims.core is not None and not v**3 > claims.core.level * claims.machine.acceleration(t):
