@@ -30,7 +30,8 @@ _DEPTH, _FEW = 12, 9
 _WIDTHS, _SHALLOW, _ROUNDS = (1, 2, 4, 8, 16), 6, 64
 # Beside what was visited, by how much of its range of speeds the lattice is higher at either end.
 _ROOM = 0.5
-_LARGEST_SHARE = 0.25
+# Boxes of a set, at most: a minute's work.
+_MOST_BOXES = 2**20
 _SEED_IMPACTS = 400
 # Departures of the plane of which some rattle on, and after how many impacts they are seeds.
 _DRAWN, _SETTLING, _LONG = 20_000, (30, 100), 400
@@ -135,7 +136,7 @@ def _closed(search: Search, lattice: Lattice, held: np.ndarray) -> np.ndarray | 
     while new.any():
         marked = np.zeros_like(held)
         rows, columns = np.nonzero(new)
-        if held.mean() > _LARGEST_SHARE:
+        if np.count_nonzero(held) > _MOST_BOXES:
             return None
         for start in range(0, rows.size, _MARKED_AT_A_TIME):
             search.pause()
