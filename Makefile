@@ -21,7 +21,7 @@ install = { test "$$(id -u)" = 0 && apt-get update -qq && apt-get install --yes 
 # Tests of one file share what they have built.
 ON_TWO_CORES := --numprocesses 2 --dist loadfile
 
-.PHONY: help demo test test-pythons test-processors test-golden test-slow test-planted test-faults test-load test-backends test-containers test-hosts test-browser test-all screenshots check check-explorer bench docs dist serve openapi settings lock clean
+.PHONY: help demo test test-pythons test-processors test-golden test-slow test-planted test-faults test-load test-backends test-containers test-hosts test-browser test-all screenshots check check-explorer bench compare docs dist serve openapi settings lock clean
 
 help:  ## list the verbs
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 12
@@ -121,6 +121,9 @@ check: $(READY) check-explorer docs  ## formatting, lint, types, import layers, 
 bench: $(READY)  ## time kernels, assembly and panels; docs/performance.json and the table in docs/performance.md
 	$(BIN)/python -m pytest benchmarks -m '' --benchmark-columns=min,median,ops --benchmark-sort=name --benchmark-json=.benchmarks/run.json
 	$(BIN)/python -m benchmarks.table .benchmarks/run.json
+
+compare: $(READY)  ## this project and others on the same work: build/suite.json, build/suite.png (docs/benchmarks.md)
+	$(BIN)/python -m benchmarks.suite
 
 # Warnings are errors: a broken link, a missing docstring, a reference that leads nowhere. Made anew each time: kept parts
 # would hide what a change elsewhere has broken.

@@ -1,8 +1,8 @@
-"""What the benchmarks share: the initial conditions of NUMERICS, v uniform in (0, 7)."""
+"""What the benchmarks share: departures of the suite, v even in (0, 7)."""
 
-import numpy as np
 import pytest
 
+from benchmarks.suite.workloads import WORKLOADS, Departures
 from rattle_kernels import warm_up
 
 
@@ -14,6 +14,5 @@ def warm():
 
 @pytest.fixture
 def departures():
-    """20,000 departures, uniform in (0, 1) x (0, 7)."""
-    rng = np.random.default_rng(0)
-    return rng.random(20_000), 7.0 * rng.random(20_000)
+    """The first 20,000 departures of the suite, even in (0, 1) x (0, 7)."""
+    return Departures(*(array[:20_000] for array in WORKLOADS["applications"].inputs))

@@ -6,6 +6,8 @@ import pytest
 from benchmarks.accuracy import record
 from benchmarks.paper_recipe import apply_recipe
 from benchmarks.plain_newton import apply_plainly, plain_grazing_table
+from benchmarks.suite.methods import plain_images
+from benchmarks.suite.workloads import APPLICATIONS, Departures
 from rattle_kernels import Oscillator, grazing_velocity, next_impacts, previous_impacts
 from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.lanes.run import run_lanes
@@ -13,7 +15,6 @@ from rattle_kernels.numerics.jit import kernel
 
 DAMPINGS = [Oscillator(), Oscillator(0.5, 0.1, 0.6), Oscillator(0.06, 0.01, 0.06), Oscillator(6e-4, 1e-4, 6e-4)]
 STIFFNESSES = [1e2, 1e3, 1e4, 1e5, 1e6]
-APPLICATIONS = 100
 
 
 @kernel
@@ -72,11 +73,10 @@ def test_stiff_lanes(benchmark, departures, stiffness):
 
 
 def test_plain_newton(benchmark, departures):
-    t, v = (array[:2000] for array in departures)
-    table = plain_grazing_table(grazing_velocity, Oscillator())
-    apply_plainly(0.6, 0.1, 0.6, table, t[:1].copy(), v[:1].copy(), 1)
-    benchmark(lambda: apply_plainly(0.6, 0.1, 0.6, table, t.copy(), v.copy(), APPLICATIONS))
-    record(benchmark, t.size * APPLICATIONS, _plain_impact)
+    first = Departures(*(array[:2000] for array in departures))
+    plain_images(first)
+    benchmark(plain_images, first)
+    record(benchmark, first.t.size * APPLICATIONS, _plain_impact)
 
 
 @pytest.mark.parametrize("stiffness", STIFFNESSES, ids=lambda stiffness: f"stiffness-{stiffness:g}")
