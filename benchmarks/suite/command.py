@@ -76,7 +76,7 @@ def run_suite(
         raise typer.BadParameter(str(error), param_hint="--beside") from error
     try:
         out.parent.mkdir(parents=True, exist_ok=True)
-        out.touch()
+        out.open("ab").close()
     except OSError as error:
         raise typer.BadParameter(f"{out} cannot be written: {error.strerror}", param_hint="--out") from error
     console = Console()

@@ -21,7 +21,8 @@ _STEP = 1e-9
 _MOST_AMPLIFIED = 1e3
 
 
-def _image(t: float, v: float, applications: int) -> tuple[float, float]:
+def exact_image(t: float, v: float, applications: int) -> tuple[float, float]:
+    """Image of a departure after so many applications, to the last digit: phase and speed; a time after one alone."""
     exact = ExactMap(OSCILLATOR)
     for _ in range(applications):
         # Balls of 256 bits are tiny; their middles keep more digits than the answer has.
@@ -60,8 +61,8 @@ def main() -> None:
     edges = WORKLOADS["boxes"].part(WORKLOADS["boxes"].known).edges
     centres = 0.5 * (edges[:, 0] + edges[:, 1]), 0.5 * (edges[:, 2] + edges[:, 3])
     with ProcessPoolExecutor() as processes:
-        far = processes.map(_image, *(array[followed].tolist() for array in departures), repeat(APPLICATIONS))
-        near = processes.map(_image, *(array.tolist() for array in centres), repeat(1))
+        far = processes.map(exact_image, *(array[followed].tolist() for array in departures), repeat(APPLICATIONS))
+        near = processes.map(exact_image, *(array.tolist() for array in centres), repeat(1))
         answers["boxes"] = [_hex(image) for image in near]
         answers["applications"] = [_hex(next(far)) if known else [None, None] for known in followed]
     panel = WORKLOADS["basin"].part(WORKLOADS["basin"].known)

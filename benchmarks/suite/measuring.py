@@ -5,7 +5,7 @@ import subprocess
 import time
 from collections.abc import Callable, Iterable
 from datetime import UTC, datetime
-from importlib.metadata import version
+from importlib.metadata import packages_distributions, version
 from pathlib import Path
 
 import numpy as np
@@ -89,7 +89,8 @@ def measure_all(
         results[workload.name] = Results(
             definition=workload.definition, unit=workload.unit, sha256=workload.sha256, methods=found
         )
-    needed = {package for each in methods for package in each.needs if not each.missing}
+    names = packages_distributions()
+    needed = {names[package][0] for each in methods for package in each.needs if package in names}
     return Run(
         format=FORMAT,
         date=datetime.now(UTC).date().isoformat(),

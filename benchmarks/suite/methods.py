@@ -67,7 +67,7 @@ class Method:
     cores : int
         How many cores it keeps busy.
     needs : tuple of str
-        Packages without which it does not run.
+        Top-level packages without which it does not run.
     """
 
     name: str

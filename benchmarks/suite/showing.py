@@ -1,5 +1,6 @@
 """A run as tables and as a picture, another processor's beside it."""
 
+import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -69,25 +70,28 @@ def draw(runs: Sequence[Run], path: Path) -> None:
         Of the PNG.
     """
     rows = {workload: _methods(runs, workload) for workload in runs[0].workloads}
+    rates = [each.units_per_second for run in runs for each in _all_measured(run, rows)] or [1.0]
     heights = [len(methods) + 1.0 for methods in rows.values()]
     figure = Figure(figsize=(8.0, 1.2 + 0.32 * sum(heights)), layout="constrained")
     panels = figure.subplots(len(rows), squeeze=False, gridspec_kw={"height_ratios": heights}, sharex=True)[:, 0]
     for panel, (workload, methods) in zip(panels, rows.items(), strict=True):
+        panel.set(xscale="log", xlim=(min(rates) / 2, max(rates) * 2), ylim=(len(methods) - 0.4, -0.6))
         for number, run in enumerate(runs):
-            found = {n: run.measured(workload, method) for n, method in enumerate(methods)}
-            points = [(each.units_per_second, n) for n, each in found.items() if each]
-            panel.plot(
-                *zip(*points, strict=True) if points else ((), ()), _MARKS[number % len(_MARKS)], label=run.machine
-            )
+            found = [run.measured(workload, method) for method in methods]
+            speeds = [each.units_per_second if each else math.nan for each in found]
+            panel.plot(speeds, range(len(methods)), _MARKS[number % len(_MARKS)], label=run.machine)
         panel.set_yticks(range(len(methods)), [_label(runs[0], workload, method) for method in methods])
-        panel.set_ylim(len(methods) - 0.4, -0.6)
-        panel.set_xscale("log")
         panel.grid(axis="x", alpha=0.4)
         unit = runs[0].workloads[workload].unit
         panel.set_title(workload if workload == unit else f"{workload}: {unit}", loc="left", fontsize="medium")
     panels[-1].set_xlabel("units per second")
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=len(runs))
     figure.savefig(path, dpi=120)
+
+
+def _all_measured(run: Run, rows: dict[str, list[str]]) -> Iterator[Measured]:
+    for workload, methods in rows.items():
+        yield from filter(None, (run.measured(workload, method) for method in methods))
 
 
 def _methods(runs: Sequence[Run], workload: str) -> list[str]:

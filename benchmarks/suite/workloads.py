@@ -157,11 +157,12 @@ class Workload:
             Finite: what is not a number counts as 1.
         """
         both = max(every, self.known)
-        mine, known = thin(answer, both // every, self.axes), thin(self._answer, both // self.known, self.axes)
+        mine, known = thin(answer, both // every, self.axes), thin(self.answer, both // self.known, self.axes)
         return self.error_of(mine, known)
 
     @cached_property
-    def _answer(self) -> np.ndarray:
+    def answer(self) -> np.ndarray:
+        """The known answer; not numbers where an image is not known."""
         told = json.loads(ANSWERS.read_text())[self.name]
         if isinstance(told[0], str):
             return np.array([[RATTLES if end == "x" else int(end, 36) for end in row] for row in told], np.uint8)

@@ -20,6 +20,7 @@ _CHAPTERS = (
     "docs/operations/README",
     "docs/decisions/README",
     "docs/performance",
+    "docs/benchmarks",
     "CHANGELOG",
     "CONTRIBUTING",
     "SECURITY",

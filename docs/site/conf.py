@@ -58,7 +58,7 @@ html_static_path = [str(HERE / "static")]
 html_css_files = ["site.css"]
 html_show_sourcelink = html_copy_source = False
 # Pages that are alone in their chapter.
-html_sidebars = {page: [] for page in ("docs/performance", "CHANGELOG", "CONTRIBUTING", "SECURITY")}
+html_sidebars = {page: [] for page in ("docs/performance", "docs/benchmarks", "CHANGELOG", "CONTRIBUTING", "SECURITY")}
 html_theme_options = {
     "header_links_before_dropdown": 7,
     "navbar_align": "left",
