@@ -29,8 +29,8 @@ def chosen(only: Sequence[str]) -> list[Method]:
     names = {method.name for method in METHODS}
     unknown = [name for name in only if name not in names | WORKLOADS.keys()]
     if unknown:
-        workloads, methods = (", ".join(map(repr, each)) for each in (WORKLOADS, sorted(names)))
-        raise ValueError(f"{unknown[0]!r} is neither a workload ({workloads}) nor a method ({methods})")
+        of_workloads, of_methods = (", ".join(map(repr, each)) for each in (WORKLOADS, sorted(names)))
+        raise ValueError(f"{unknown[0]!r} is neither a workload ({of_workloads}) nor a method ({of_methods})")
     workloads, methods = WORKLOADS.keys() & only or WORKLOADS.keys(), names & set(only) or names
     found = [method for method in METHODS if method.workload in workloads and method.name in methods]
     if not found:

@@ -1,8 +1,9 @@
-"""Make the known answers anew: ``python -m benchmarks.suite.exact`` (half an hour; needs python-flint and heyoka).
+"""Make the known answers anew: ``python -m benchmarks.suite.exact`` (a minute; needs python-flint and heyoka).
 
-None comes from the kernels that the suite measures. Images are exact to rounding, in balls of 256 bits. Of departures
-whose image moves more than a thousand times as far as they do, nothing is known: after 100 applications chaos leaves no
-digits. Ends come of the Taylor integrator with impacts, and of the paper's recipe with contacts.
+None comes from the kernels that the suite measures, which guess at most where a root is. Images are exact to rounding,
+in balls of 256 bits. Of departures whose image moves more than a thousand times as far as they do, nothing is known:
+after 100 applications chaos leaves no digits. Ends come of the Taylor integrator with impacts, and of the paper's
+recipe with contacts.
 """
 
 import json
@@ -58,7 +59,7 @@ def main() -> None:
     answers: dict[str, list] = {}
     departures = WORKLOADS["applications"].part(WORKLOADS["applications"].known)
     followed = _amplified(*departures) < _MOST_AMPLIFIED
-    edges = WORKLOADS["boxes"].part(WORKLOADS["boxes"].known).edges
+    (edges,) = WORKLOADS["boxes"].part(WORKLOADS["boxes"].known)
     centres = 0.5 * (edges[:, 0] + edges[:, 1]), 0.5 * (edges[:, 2] + edges[:, 3])
     with ProcessPoolExecutor() as processes:
         far = processes.map(exact_image, *(array[followed].tolist() for array in departures), repeat(APPLICATIONS))

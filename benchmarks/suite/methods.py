@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 from importlib.util import find_spec
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -48,7 +48,7 @@ class Compute(Protocol):
     there is no enclosure.
     """
 
-    def __call__(self, inputs, /) -> np.ndarray: ...
+    def __call__(self, inputs: Any, /) -> np.ndarray: ...
 
 
 @dataclass(frozen=True)

@@ -27,17 +27,20 @@ class Measured(BaseModel):
     allowed: float = Field(ge=0.0, description="largest error of an answer that agrees")
     times_plain: float | None = Field(None, description="rate as a multiple of the plain method's in this run")
 
-    @computed_field
+    @computed_field  # type: ignore[prop-decorator]
+    @property
     def agrees(self) -> bool:
         """Whether the answer is right; the rate of a wrong one says nothing."""
         return self.error <= self.allowed
 
-    @computed_field
+    @computed_field  # type: ignore[prop-decorator]
+    @property
     def best(self) -> float:
         """Seconds of the fastest repetition."""
         return min(self.seconds)
 
-    @computed_field
+    @computed_field  # type: ignore[prop-decorator]
+    @property
     def units_per_second(self) -> float:
         """Of the fastest repetition."""
         return self.units / self.best

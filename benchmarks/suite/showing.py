@@ -15,8 +15,8 @@ _MARKS = "osD^v"
 _WIDTH = 23
 
 
-def tables(run: Run, beside: Run | None = None) -> Iterator[Table]:
-    """A table of the methods of each workload.
+def tables(run: Run, beside: Run | None = None) -> Iterator[str | Table]:
+    """A line and a table for each workload, a row for each method.
 
     Parameters
     ----------
@@ -26,12 +26,12 @@ def tables(run: Run, beside: Run | None = None) -> Iterator[Table]:
 
     Yields
     ------
-    rich.table.Table
+    str or rich.table.Table
     """
     runs = [run, beside] if beside else [run]
     for workload, results in run.workloads.items():
-        title = f"{workload}: {results.definition}"
-        shown = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
+        yield f"{workload}: {results.definition}"
+        shown = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
         shown.add_column("method", min_width=_WIDTH)
         for heading in (f"{results.unit}/s", "x plain", "error", *(("beside", "ratio") if beside else ())):
             shown.add_column(heading, justify="right")

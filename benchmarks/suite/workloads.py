@@ -155,9 +155,18 @@ class Workload:
         -------
         float
             Finite: what is not a number counts as 1.
+
+        Raises
+        ------
+        ValueError
+            If the answer has not the shape that the inputs ask for.
         """
         both = max(every, self.known)
         mine, known = thin(answer, both // every, self.axes), thin(self.answer, both // self.known, self.axes)
+        if (mine.ndim, mine.shape[: self.axes]) != (known.ndim, known.shape[: self.axes]):
+            raise ValueError(
+                f"an answer to {self.name!r} has one item for each of the inputs, not shape {answer.shape}"
+            )
         return self.error_of(mine, known)
 
     @cached_property

@@ -36,9 +36,9 @@ FEW = 25
 
 
 def printed(run, beside=None):
-    console = Console(width=120)
+    console = Console(width=80)
     with console.capture() as told:
-        console.print(*tables(run, beside))
+        console.print(*tables(run, beside), sep="\n")
     return told.get()
 
 
@@ -150,6 +150,13 @@ def test_a_wrong_answer_is_found_and_has_no_rate(planted):
     assert [line.split(" is wrong")[0] for line in faults(run)] == [f"{workload}, wrong"]
     (row,) = (line for line in printed(run).splitlines() if line.strip().startswith("wrong"))
     assert row.split()[:2] == ["wrong", "wrong"]
+
+
+@pytest.mark.parametrize("workload", ["applications", "basin"])
+def test_an_answer_of_another_shape_is_refused(workload):
+    told = measure_all([Method("short", workload, lambda inputs: np.zeros((1, 2)))], repeat=1, thinner=FEW)
+    (fault,) = faults(told)
+    assert fault.startswith(f"{workload}, short failed: ValueError: ") and fault.endswith("not shape (1, 2)")
 
 
 def test_what_is_not_installed_and_what_fails_is_said_and_the_others_run(tmp_path):
