@@ -54,6 +54,12 @@ def _rows(ends: np.ndarray) -> list[str]:
     return ["".join("x" if end == RATTLES else np.base_repr(end, 36).lower() for end in row) for row in ends]
 
 
+def written(answers: dict[str, list]) -> str:
+    """JSON of answers, an item a line."""
+    parts = (f'"{name}": [\n' + ",\n".join(map(json.dumps, rows)) + "\n]" for name, rows in answers.items())
+    return "{\n" + ",\n".join(parts) + "\n}\n"
+
+
 def main() -> None:
     """Compute them, and write them down."""
     answers: dict[str, list] = {}
@@ -69,7 +75,7 @@ def main() -> None:
     panel = WORKLOADS["basin"].part(WORKLOADS["basin"].known)
     answers["basin"] = _rows(ends_by_heyoka(panel))
     answers["stiff basin"] = _rows(ends_by_recipe(panel))
-    ANSWERS.write_text(json.dumps(answers, indent=1) + "\n")
+    ANSWERS.write_text(written(answers))
 
 
 if __name__ == "__main__":
