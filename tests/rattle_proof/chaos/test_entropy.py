@@ -55,3 +55,6 @@ def test_a_growth_that_is_too_large_or_shown_by_nothing_does_not_hold():
     assert not holds(golden, growth._replace(weights=-growth.weights))
     assert not holds(golden, growth._replace(weights=growth.weights[::-1]))
     assert not holds(crossings([(0, 1)], [(0, 1)]), growth), "the first crosses itself alone"
+    twice = crossings([(0, 0), (0, 2)], [(0, 0), (0, 2)])
+    growth = growth_of(twice)
+    assert not holds(twice, growth._replace(numerator=growth.numerator + 20)), "after two impacts"

@@ -52,6 +52,7 @@ def test_a_box_that_hangs_together_with_neither_end_lies_nowhere():
         ([(row, 15) for row in (2, 3, 4)], "above or below"),
         ([(row, 15) for row in (8, 9, 10)], "above or below"),
         ([(9, 15)], "above or below"),
+        ([(3, 15)], "above or below"),
         # By way of the rows above the window, and by way of the period's end.
         ([(8, 5), (9, 5), (10, 5), *((11, column) for column in range(5, 27)), (10, 26), (9, 26), (8, 26)], "round"),
         ([(6, column) for column in (0, 1, 2, 3, 28, 29, 30, 31)], "round"),

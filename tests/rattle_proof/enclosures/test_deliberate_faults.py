@@ -18,6 +18,7 @@ _IMAGES, _INTERVALS, _FUNCTIONS = (f"test_{each}.py" for each in ("images", "int
 _LOW, _MOVING, _LATTICE, _TARGETS, _CELLS, _TURNS = (
     f"test_{each}.py" for each in ("low_bounces", "moving_sets", "lattice", "targets", "cells", "turning_points")
 )
+_LEAVES, _ENTROPY, _CHAOS = (f"../chaos/test_{each}.py" for each in ("leaves", "entropy", "impact_map"))
 _CONDITIONS, _NEVER = "test_target_conditions.py", "test_never_quiet.py"
 _FAULTS = [
     (_CONDITIONS, "targets.py",
@@ -248,6 +249,57 @@ _FAULTS = [
     (_TARGETS, "rattling_set.py",
      "range(span.left, span.right + 1)",
      "range(span.left, span.right)"),
+    (_TARGETS, "rattling_set.py",
+     "range(span.bottom, span.top + 1):\n                for",
+     "range(span.bottom, span.top):\n                for"),
+    (_CONDITIONS, "targets.py",
+     "if found is not None and _lies_above_core(search.machine, found, level):",
+     "if found is not None:"),
+    (_LEAVES, "../chaos/leaves.py",
+     "((node <= 0) |",
+     "((node < 0) |"),
+    (_LEAVES, "../chaos/leaves.py",
+     "node >= nodes - 2",
+     "node >= nodes - 1"),
+    (_LEAVES, "../chaos/leaves.py",
+     "if (left & right).any() or not",
+     "if not"),
+    (_LEAVES, "../chaos/leaves.py",
+     "(1, -1), (1, 0), (1, 1)",
+     "(1, 0), (1, 1)"),
+    (_LEAVES, "../chaos/leaves.py",
+     "(columns + along) % period",
+     "(columns + along)"),
+    (_LEAVES, "../chaos/leaves.py",
+     "bottom : top + 1].max()",
+     "bottom : top + 1].min()"),
+    (_LEAVES, "../chaos/leaves.py",
+     "bottom : top + 1].min()",
+     "bottom : top + 1].max()"),
+    (_LEAVES, "../chaos/leaves.py",
+     "if not set(whole[outer[left]]) & set(whole[outer[right]]):",
+     "if False:"),
+    (_ENTROPY, "../chaos/entropy.py",
+     "[strips, growth.impacts - 1]",
+     "[strips, 0]"),
+    (_ENTROPY, "../chaos/entropy.py",
+     "if not (weights >= 0).all() or not weights.any():",
+     "if not (weights >= 0).all():"),
+    (_ENTROPY, "../chaos/entropy.py",
+     "growth.numerator ** int(k) * int(x)",
+     "growth.numerator * int(x)"),
+    (_CHAOS, "../chaos/crossings.py",
+     "np.where(crosses, behind - 1, 0)",
+     "np.where(crosses, behind + 1, 0)"),
+    (_CHAOS, "../chaos/crossings.py",
+     "dv, Matrix(one, slope, none, one)",
+     "dv, Matrix(one, none, none, one)"),
+    (_CHAOS, "../chaos/cycles.py",
+     "return trace.low > most",
+     "return trace.low > 0.0 * most"),
+    (_CHAOS, "../chaos/cycles.py",
+     "return not (apart_v or",
+     "return not (not apart_v or"),
 ]  # fmt: skip
 
 
@@ -258,7 +310,7 @@ def compiled(tmp_path_factory):
 
 @pytest.mark.parametrize(("tests", "file", "right", "wrong"), _FAULTS)
 def test_a_fault_is_caught(tmp_path, compiled, tests, file, right, wrong):
-    for folder in ("rattle_proof", "tests/rattle_proof/enclosures"):
+    for folder in ("rattle_proof", "tests/rattle_proof/enclosures", "tests/rattle_proof/chaos"):
         shutil.copytree(_ROOT / folder, tmp_path / folder, ignore=shutil.ignore_patterns("__pycache__"))
     for each in ("pyproject.toml", "tests/__init__.py", "tests/rattle_proof/__init__.py"):
         shutil.copy(_ROOT / each, tmp_path / each)
@@ -268,7 +320,7 @@ def test_a_fault_is_caught(tmp_path, compiled, tests, file, right, wrong):
     faulty.write_text(text.replace(right, wrong, 1))
     options = ["-q", "-x", "-p", "no:cacheprovider", "--timeout", "800"]
     command = [sys.executable, "-m", "pytest", *options, f"tests/rattle_proof/enclosures/{tests}"]
-    plain = "0" if tests in (_TARGETS, _CELLS) else "1"
+    plain = "0" if tests in (_TARGETS, _CELLS, _CHAOS) else "1"
     environment = {
         **{name: value for name, value in os.environ.items() if name != "PYTEST_ADDOPTS"},
         "NUMBA_DISABLE_JIT": plain,
@@ -278,4 +330,4 @@ def test_a_fault_is_caught(tmp_path, compiled, tests, file, right, wrong):
     ran = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
     # 1: tests ran, and some failed. Without the fault they pass: that is their own business.
     assert ran.returncode == 1, ran.stdout[-2000:] + ran.stderr[-2000:]
-    assert "Error" in ran.stdout or "assert" in ran.stdout
+    assert any(told in ran.stdout for told in ("Error", "assert", "DID NOT RAISE"))
