@@ -23,6 +23,7 @@ from rattle_proof.enclosures.interval import Interval, point
 from rattle_proof.enclosures.machine import MOST_PARTS, centre_of, halves_of, machine_of, parts_of
 from rattle_proof.enclosures.orbit_disc import _comes_nearer, disc_rows, maps_into_itself, orbit_disc, spectral_norm
 from rattle_proof.enclosures.quiet_core import quiet_level
+from rattle_proof.enclosures.rattling_set import Search, closed_set
 from rattle_proof.enclosures.targets import _holds_no_other, prove_targets
 from tests.rattle_proof.enclosures.exact_flights import ExactMap
 from tests.rattle_proof.enclosures.machines import OSCILLATORS, machine_and_some, tolerances_of
@@ -200,6 +201,25 @@ def test_a_set_that_rattles_for_ever_is_mapped_into_itself():
         landed = exact.image(t, v)
         row = int(np.floor(float(landed.v) / lattice.height)) - lattice.first
         assert lattice.ends[row, int(np.floor(float(landed.t) * columns)) % columns] == 1 + certificate.rattling
+
+
+@pytest.mark.parametrize("columns", [1024, 2048])
+def test_the_fewest_boxes_hold_their_images(columns):
+    """Of departures near the edges and corners of boxes as well."""
+    random = np.random.default_rng(4)
+    attractors, certificate = _certificate()
+    chaos = attractors[certificate.rattling]
+    search = Search(machine_of(FIG_7), FIG_7, 0.0, 8192, fewest=columns)
+    lattice = closed_set(search, chaos.time, chaos.velocity, 7)
+    assert lattice.ends.shape[1] == columns
+    exact = ExactMap(FIG_7)
+    rows, places = np.nonzero(lattice.ends)
+    for k in random.integers(0, rows.size, _DEPARTURES):
+        across, up = random.choice([0.001, 0.999, random.random()], 2)
+        t, v = (places[k] + across) / columns, (lattice.first + rows[k] + up) * lattice.height
+        landed = exact.image(t, v)
+        row = int(np.floor(float(landed.v) / lattice.height)) - lattice.first
+        assert lattice.ends[row, int(np.floor(float(landed.t) * columns)) % columns] == 7
 
 
 def test_a_set_that_holds_another_known_motion_is_not_said_to_rattle():
