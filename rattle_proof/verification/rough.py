@@ -1,30 +1,42 @@
 """One flight in plain numbers: where enclosures are looked for. Nothing rests on it."""
 
 from collections.abc import Callable
+from math import cos, expm1, pi, sin
 
 from flint import arb
 from scipy.optimize import brentq
 
-from rattle_proof.verification.flight import Flight
 from rattle_proof.verification.machine import Machine
 
 _DOUBLINGS = 60
 
 
 class Rough:
-    """The flight of the middle of two balls."""
+    """The flight of the middle of two balls.
+
+    Terms that nearly cancel where a flight is short are written as products.
+    """
 
     def __init__(self, machine: Machine, t: arb, w: arb) -> None:
-        self.flight = Flight(machine, t.mid(), w.mid())
-        self.scale = abs(float(w.mid())) / max(float(self.flight.felt.mid()), 1e-300)
+        self.damping, self.w, time = (float(each.mid()) for each in (machine.damping, w, t))
+        waves = [tuple(float(each.mid()) for each in wave) for wave in machine.waves]
+        # Half the speed of each wave's angle, its amplitude, and the angle at departure.
+        self.waves = [(pi * order, size, 2 * pi * (order * time + phase)) for order, size, phase in waves]
+        self.rate = -sum(2 * half * size * sin(angle) for half, size, angle in self.waves)
+        bend = -sum(4 * half * half * size * cos(angle) for half, size, angle in self.waves)
+        self.scale = abs(self.w) / max(self.damping * (4 * pi + self.rate) + bend, 1e-300)
 
     def height(self, tau: float) -> float:
         """Displacement y."""
-        return float(self.flight.height(arb(tau)).mid())
+        reached = -expm1(-self.damping * tau) / self.damping
+        risen = sum(size * sin(angle + half * tau) * sin(half * tau) for half, size, angle in self.waves)
+        return (self.w - self.rate) * reached + 4 * pi * (tau - reached) - 2 * risen
 
     def velocity(self, tau: float) -> float:
         """Velocity y'."""
-        return float(self.flight.velocity(arb(tau)).mid())
+        lost = -expm1(-self.damping * tau)
+        risen = sum(half * size * cos(angle + half * tau) * sin(half * tau) for half, size, angle in self.waves)
+        return self.w + (4 * pi + self.rate - self.w) * lost - 4 * risen
 
     def turn(self) -> float:
         """When it turns, if it starts downwards."""
