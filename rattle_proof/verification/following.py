@@ -96,16 +96,20 @@ def failure_of(ends: Ends, place: str, end: int, lost: Lost) -> Failure:
 
 
 def _end_of(machine: Machine, moving: Moving, impacts: int, arrived: Arriving, first: int = 0) -> tuple[int, Moving]:
-    """The end of a set, and the last that is known of it."""
+    """The end of a set, and the last that is known of it whose sides are images of its own."""
+    known, of_its_own = moving, True
     for n in range(impacts + 1):
         found = arrived(moving) if n >= first else NOWHERE
         if found != NOWHERE or n == impacts:
-            return found, moving
+            return found, known
         advanced = advance(machine, moving)
         if advanced is None:
             break
-        moving = advanced[0]
-    return NOWHERE, moving
+        moving, mapped = advanced
+        # The sides of a hull say nothing of those that it comes from.
+        of_its_own &= mapped.slope is not None
+        known = moving if of_its_own else known
+    return NOWHERE, known
 
 
 def _parts(t: arb, v: arb, depth: int, last: Moving, speed: float) -> list[tuple[arb, arb, int]]:

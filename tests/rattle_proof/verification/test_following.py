@@ -4,8 +4,10 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from rattle_proof.verification import following
 from rattle_proof.verification.following import lost_part
 from rattle_proof.verification.machine import Machine, ball, cover
+from rattle_proof.verification.moving import box
 
 EXACT = (0.6, 0.6), (0.6, 0.6), (1.0, 1.0), [(1.0, 0.1, 0.1, 0.0, 0.0)]
 WIDE = Machine((0.5, 0.7), (0.6, 0.6), (0.9, 0.9), [(1.0, 0.1, 0.1, 0.0, 0.0), (2.0, 0.01, 0.01, 0.25, 0.75)])
@@ -26,6 +28,17 @@ def test_a_box_is_cut_along_the_side_that_is_longer():
     t, v = ball(0.5, 0.5 + 1e-6), ball(0.5, 1.0)
     assert lost_part(ends_of(Machine(*EXACT)), t, v, 1, 0, arrived, depth=1) is None
     assert [float(each.all_t.rad()) for each in tried] == [float(t.rad())] * 3
+
+
+def test_after_a_hull_a_box_is_cut_by_what_was_known_before(monkeypatch):
+    start, traced, hull = (box(ball(0.4, 0.6), ball(1.0, top)) for top in (1.5, 1.1, 9.0))
+    ways = {
+        id(start): (traced, SimpleNamespace(slope=1)), id(traced): (hull, SimpleNamespace(slope=None)),
+        id(hull): (hull, SimpleNamespace(slope=1)),
+    }  # fmt: skip
+    monkeypatch.setattr(following, "advance", lambda machine, moving: ways[id(moving)])
+    for impacts, known in enumerate((start, traced, traced, traced)):
+        assert following._end_of(Machine(*EXACT), start, impacts, lambda moving: 0) == (0, known)
 
 
 def test_halves_of_a_machine_together_are_the_machine():
