@@ -1,5 +1,6 @@
 """What is tried one by one: boxes of the rattling set, boxes of the lattice, cells of the picture."""
 
+from collections import deque
 from typing import NamedTuple
 
 import numpy as np
@@ -14,8 +15,8 @@ from rattle_proof.verification.targets.quiet import halves
 from rattle_proof.verification.verdict import Failure, contradicted, undecided
 
 _DEPTH, _DEPTH_OF_PART = 18, 6
-# How often a 64th of a cell is cut and the tolerances are, one try after the other.
-_OF_ONE, _OF_MANY = ((0, 0), (_DEPTH_OF_PART, 0)), ((0, 0), (0, CUTS), (_DEPTH_OF_PART, CUTS))
+# How often a 64th of a cell is cut and the tolerances are, one try after the other, where it does not come as it is.
+_OF_ONE, _OF_MANY = ((_DEPTH_OF_PART, 0),), ((0, CUTS), (_DEPTH_OF_PART, CUTS))
 _CUT = 8
 WHOLE = 64
 """Parts of a cell that are counted."""
@@ -74,22 +75,42 @@ def _try_parts(
     ends: Ends, place: str, parts: list[tuple[arb, arb]], end: int, claimed: int, arrived: Arriving
 ) -> Failure | None:
     """Whether as many parts as are claimed come to an end; which of them they are is not said."""
-    refuted: list[tuple[tuple[arb, arb], Lost]] = []
-    left: list[tuple[tuple[arb, arb], Lost]] = []
+    refuted: list[Lost] = []
+    left: list[Lost] = []
+    # All of them impact by impact: most that come to the end do so soon, and then the others are followed no further.
+    going: deque[tuple[int, arb, arb, Moving | None]] = deque((0, *part, None) for part in parts)
+    while going:
+        impacts, t, v, before = going.popleft()
+        moving = box(t, v) if before is None else _moved(ends.machine, before)
+        found = NOWHERE if moving is None else arrived(moving)
+        if found == end:
+            claimed -= 1
+            if claimed == 0:
+                return None
+        elif found != NOWHERE:
+            refuted.append(Lost(t, v, found))
+        elif moving is None or impacts == _LONGEST:
+            left.append(Lost(t, v, found))
+        else:
+            going.append((impacts + 1, t, v, moving))
     for depth, cuts in _OF_MANY if ends.machine.halves() else _OF_ONE:
-        left = []
-        for part in parts:
-            lost = lost_part(ends, *part, end, _LONGEST, arrived, depth, cuts)
+        trying, left = left, []
+        for part in trying:
+            lost = lost_part(ends, part.t, part.v, end, _LONGEST, arrived, depth, cuts)
             if lost is None:
                 claimed -= 1
             else:
-                (left if lost.found == NOWHERE else refuted).append((part, lost))
+                (left if lost.found == NOWHERE else refuted).append(lost)
             if claimed == 0:
                 return None
-        parts = [part for part, _ in left]
-    for _, lost in refuted if len(parts) < claimed else left:
+    for lost in refuted if len(left) < claimed else left:
         return failure_of(ends, f"{place}, of which {claimed} 64ths more are claimed", end, lost)
-    raise AssertionError("a cell has 64 parts")
+    return contradicted(place, f"{claimed} 64ths are claimed beyond those that it has")
+
+
+def _moved(machine: Machine, moving: Moving) -> Moving | None:
+    advanced = advance(machine, moving)
+    return None if advanced is None else advanced[0]
 
 
 def try_box(ends: Ends, trail: int, row: int, column: int) -> Failure | None:
