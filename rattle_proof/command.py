@@ -3,7 +3,7 @@
 import json
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 from rich.table import Table
@@ -18,22 +18,24 @@ from worker.errors import WorkerError
 
 def verify(
     store: Annotated[str, typer.Argument(help="Basin with a proof: a folder or s3://BUCKET/PREFIX")],
-    cells: Annotated[int, typer.Option(min=0, help="Cells to try, of those with a proven part")] = 10_000,
+    cells: Annotated[str, typer.Option(help="Cells to try, of those with a proven part: a number, or all")] = "10000",
     boxes: Annotated[str, typer.Option(help="Boxes of the lattice to try: a number, or all (hours)")] = "10000",
     seed: Annotated[int, typer.Option(min=0, help="Of the random sample")] = 0,
     processes: Annotated[int, typer.Option(min=1, help="Processes that work")] = 2,
+    anew: Annotated[bool, typer.Option("--anew", help="Try also what earlier runs have tried")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print what is found as JSON alone")] = False,
 ) -> None:
     """Prove again, by Arb balls, what a basin's store claims to be proven; exit with 1 if anything is not."""
-    if boxes != "all" and not boxes.isdecimal():
-        give_up(f"--boxes takes a number or all, not {boxes}", 2)
+    counts = _count("--cells", cells), _count("--boxes", boxes)
     out.quiet |= as_json
     try:
         with progress_line(unit="") as line:
             found = prove_again(
-                store, cells=cells, boxes="all" if boxes == "all" else int(boxes), seed=seed, processes=processes,
+                store, cells=counts[0], boxes=counts[1], seed=seed, processes=processes, anew=anew,
                 progress=lambda what, done, total: line.show(what, (done, total)),
             )  # fmt: skip
+    except KeyboardInterrupt:
+        give_up("stopped; the same command goes on from what was tried")
     except ImportError as error:
         give_up(str(error), 2)
     except WorkerError as error:
@@ -87,6 +89,14 @@ def _tolerance(text: str) -> tuple[str, tuple[float, float]]:
     return name.strip().replace("-", "_"), (least, greatest)
 
 
+def _count(option: str, text: str) -> int | Literal["all"]:
+    if text == "all":
+        return "all"
+    if not text.isdecimal():
+        give_up(f"{option} takes a number or all, not {text}", 2)
+    return int(text)
+
+
 def _say(found: Verification) -> None:
     table = Table("", "of", "tried", "proven again", "contradicted", "not decided")
     for part in found.parts:
@@ -99,6 +109,9 @@ def _say(found: Verification) -> None:
             _line(f"{what}: {part.name}, {failure.place}: {failure.why}")
     sampled = any(part.tried < part.of for part in found.parts)
     _line("all that was tried is proven again" if found.holds else "not all that was tried is proven again")
+    earlier = sum(part.earlier for part in found.parts)
+    if earlier:
+        _line(f"{earlier:,} were tried by earlier runs of this code, and not again: --anew tries all")
     if sampled:
         _line("a sample was tried: the rest was not looked at")
 

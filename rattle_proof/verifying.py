@@ -12,10 +12,11 @@ if TYPE_CHECKING:
 def verify(
     store: str | Path,
     *,
-    cells: int = 10_000,
+    cells: int | Literal["all"] = 10_000,
     boxes: int | Literal["all"] = 10_000,
     seed: int = 0,
     processes: int = 1,
+    anew: bool = False,
     progress: Callable[[str, int, int], None] = lambda what, done, total: None,
 ) -> "Verification":
     """Prove again what a basin's store claims to be proven, by other means: Arb balls of python-flint.
@@ -24,11 +25,14 @@ def verify(
     cells, and of the boxes of the lattice by which they were proven, a random sample is tried. A sample is a sample:
     the others are not looked at. If all boxes are right, so is the lattice, by induction over its rounds.
 
+    What was tried is kept in `rattle.cache`. So the same call goes on where it stopped, and gives the same answer. All
+    is tried again where the store, the sample or the code that verifies is another.
+
     Parameters
     ----------
     store : str or path
         A folder, or ``s3://bucket/prefix``, of a finished basin that was computed with a proof.
-    cells : int
+    cells : int or "all"
         How many cells are tried, of those with a proven part.
     boxes : int or "all"
         How many boxes of the lattice are tried, as many of each round as there are.
@@ -36,6 +40,8 @@ def verify(
         Of the sample.
     processes : int
         How many processes work; with more than one, a script needs ``if __name__ == "__main__"``.
+    anew : bool
+        Try also what earlier runs have tried.
     progress : callable
         Called with what is being proven, how much of it has been, and of how much.
 
@@ -64,4 +70,4 @@ def verify(
         raise ImportError("verifying needs python-flint: pip install 'gear-rattle[proof]'")
     from rattle_proof.verification.checking import prove_again  # loads python-flint, Numba and Zarr
 
-    return prove_again(str(store), cells, boxes, seed, processes, progress)
+    return prove_again(str(store), cells, boxes, seed, processes, anew, progress)

@@ -29,6 +29,11 @@ class ResultCache:
         named = os.environ.get("RATTLE_CACHE")
         return Path(named) if named else platformdirs.user_cache_path("gear-rattle") / "results"
 
+    @property
+    def verified(self) -> Path:
+        """Folder of what verifications of proofs have tried."""
+        return self.folder / "verified"
+
     def location_of(self, job: "Job") -> str:
         """Store of a job, whether it is there or not."""
         return str(self.folder / f"{job.kind}-{job.digest[:32]}.zarr")
@@ -39,13 +44,15 @@ class ResultCache:
 
     @property
     def size(self) -> int:
-        """Bytes that they take."""
-        return sum(file.stat().st_size for store in self.stores() for file in store.rglob("*") if file.is_file())
+        """Bytes that all of it takes."""
+        kept = (*self.stores(), self.verified)
+        return sum(file.stat().st_size for folder in kept for file in folder.rglob("*") if file.is_file())
 
     def clear(self) -> None:
-        """Remove all of them. Datasets of them that are still open can no longer be read."""
+        """Remove all of it. Datasets of stores that are still open can no longer be read."""
         for store in self.stores():
             shutil.rmtree(store)
+        shutil.rmtree(self.verified, ignore_errors=True)
 
     def __repr__(self) -> str:
         return f"<{len(self.stores())} results, {decimal(self.size)}, in {self.folder}>"

@@ -36,6 +36,8 @@ class Part:
     tried, contradicted, undecided : int
     failures : list of Failure
         The first of them.
+    earlier : int
+        How many of those tried were tried by earlier runs of the same code on the same store.
     """
 
     name: str
@@ -44,6 +46,7 @@ class Part:
     contradicted: int = 0
     undecided: int = 0
     failures: list[Failure] = field(default_factory=list)
+    earlier: int = 0
 
     @property
     def proven(self) -> int:

@@ -1,8 +1,14 @@
 """One after the other or by several processes: each reads the store itself."""
 
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+import os
+import signal
+from collections.abc import Iterator, Mapping
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from itertools import islice
 from multiprocessing import get_context
+from multiprocessing.connection import Connection
+from threading import Thread
+from types import TracebackType
 from typing import NamedTuple
 
 import numpy as np
@@ -19,13 +25,15 @@ from rattle_proof.verification.samples import (
     try_cell_that_rattles,
     try_rattling_box,
 )
+from rattle_proof.verification.targets.discs import try_disc
 from rattle_proof.verification.targets.quiet import acceleration_at_rest, try_column
 from rattle_proof.verification.verdict import Failure
 from worker.errors import StoreConflict
 
 BITS = 64
 """Bits of a ball's middle."""
-_AT_A_TIME = 50
+# Batches that wait, for each process.
+_AHEAD = 4
 
 Place = tuple[int, int]
 
@@ -41,6 +49,8 @@ class Subject(NamedTuple):
 
     def try_one(self, what: str, place: Place) -> Failure | None:
         """Prove one thing again."""
+        if what == "discs":
+            return try_disc(self.claims, place[0])
         if what == "core" and self.claims.core is not None:
             return try_column(self.claims.parts[place[0]], self.claims.core, place[1])
         if what == "rattling" and self.claims.rattling is not None:
@@ -82,19 +92,27 @@ def subject_at(location: str) -> Subject:
 _subject: Subject | None = None
 
 
-def _begin(location: str) -> None:
+def _begin(location: str, leash: Connection) -> None:
     global _subject
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    Thread(target=_end_with, args=(leash,), daemon=True).start()
     _subject = subject_at(location)
 
 
-def _try(subject: Subject, what: str, places: Sequence[Place]) -> list[Failure]:
-    found = (subject.try_one(what, place) for place in places)
+def _end_with(leash: Connection) -> None:
+    """End as soon as the other end of a pipe is closed, if only by the death of who holds it."""
+    leash.poll(None)
+    os._exit(1)
+
+
+def _try(subject: Subject, what: str, batch: np.ndarray) -> list[Failure]:
+    found = (subject.try_one(what, tuple(place)) for place in batch.tolist())
     return [failure for failure in found if failure is not None]
 
 
-def _try_here(what: str, places: Sequence[Place]) -> list[Failure]:
+def _try_here(what: str, batch: np.ndarray) -> list[Failure]:
     assert _subject is not None
-    return _try(_subject, what, places)
+    return _try(_subject, what, batch)
 
 
 class Crew:
@@ -110,35 +128,38 @@ class Crew:
     """
 
     def __init__(self, subject: Subject, location: str, processes: int) -> None:
-        self.subject = subject
+        self.subject, self.processes = subject, processes
         self.pool = None
         if processes > 1:
-            self.pool = ProcessPoolExecutor(processes, get_context("spawn"), initializer=_begin, initargs=(location,))
+            context = get_context("spawn")
+            leash, self.holder = context.Pipe(duplex=False)
+            self.pool = ProcessPoolExecutor(processes, context, initializer=_begin, initargs=(location, leash))
 
     def __enter__(self) -> "Crew":
         return self
 
-    def __exit__(self, *error: object) -> None:
-        if self.pool is not None:
-            self.pool.shutdown(cancel_futures=True)
-
-    def try_all(
-        self, what: str, places: np.ndarray, tick: Callable[[int, int], None]
-    ) -> Iterator[tuple[int, list[Failure]]]:
-        """How many were tried, and which failed, again and again."""
-        each = [tuple(place) for place in places.tolist()]
-        parts = [each[i : i + _AT_A_TIME] for i in range(0, len(each), _AT_A_TIME)]
-        done = 0
-        for tried, failures in self._tried(what, parts):
-            done += tried
-            tick(done, len(each))
-            yield tried, failures
-
-    def _tried(self, what: str, parts: list[list[Place]]) -> Iterator[tuple[int, list[Failure]]]:
+    def __exit__(
+        self, error: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
+    ) -> None:
         if self.pool is None:
-            for part in parts:
-                yield len(part), _try(self.subject, what, part)
             return
-        running = {self.pool.submit(_try_here, what, part): len(part) for part in parts}
-        for future in as_completed(running):
-            yield running[future], future.result()
+        if error is not None:
+            # What they are at is not waited for.
+            self.holder.close()
+        self.pool.shutdown(cancel_futures=True)
+        self.holder.close()
+
+    def try_all(self, what: str, batches: Mapping[int, np.ndarray]) -> Iterator[tuple[int, list[Failure]]]:
+        """The number of each batch, and what failed in it, as they are done."""
+        if self.pool is None:
+            for number, batch in batches.items():
+                yield number, _try(self.subject, what, batch)
+            return
+        waiting, running = iter(batches.items()), dict[Future[list[Failure]], int]()
+        while True:
+            for number, batch in islice(waiting, _AHEAD * self.processes - len(running)):
+                running[self.pool.submit(_try_here, what, batch)] = number
+            if not running:
+                return
+            for future in wait(running, return_when=FIRST_COMPLETED).done:
+                yield running.pop(future), future.result()

@@ -8,7 +8,7 @@ import pytest
 import rattle
 from rattle_proof.verification.ends import Ends
 from rattle_proof.verification.samples import try_box, try_box_that_rattles, try_cell, try_cell_that_rattles
-from rattle_proof.verification.targets.discs import discs
+from rattle_proof.verification.targets.discs import try_disc
 from rattle_proof.verification.targets.quiet import COLUMNS, try_column
 from rattle_proof.verification.work import subject_at
 from worker.stores.new_store import consolidate
@@ -46,8 +46,9 @@ def test_a_level_that_is_raised_is_found(subject):
 
 def test_a_disc_that_is_inflated_is_found(subject):
     (disc,) = subject.claims.discs
-    assert discs(subject.claims).holds
-    assert not discs(subject.claims._replace(discs=(disc._replace(radius=8.0 * disc.radius),))).holds
+    assert try_disc(subject.claims, 0) is None
+    inflated = subject.claims._replace(discs=(disc._replace(radius=8.0 * disc.radius),))
+    assert try_disc(inflated, 0) is not None
 
 
 def test_a_box_with_another_end_is_found(subject):

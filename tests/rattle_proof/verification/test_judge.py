@@ -8,7 +8,7 @@ import pytest
 from flint import arb, ctx
 
 from rattle_proof.verification import work
-from rattle_proof.verification.checking import _core
+from rattle_proof.verification.checking import _targets
 from rattle_proof.verification.claims import Core, Disc, claims_of
 from rattle_proof.verification.flight import Slope
 from rattle_proof.verification.machine import Machine, ball
@@ -168,7 +168,7 @@ def test_a_box_is_claimed_only_where_all_parts_say_the_same(subject):
 def test_the_core_and_every_box_are_tried_for_each_part(subject, monkeypatch):
     monkeypatch.setattr(work, "try_column", lambda machine, core, column: (machine, core, column))
     monkeypatch.setattr(work, "try_box", lambda ends, trail, row, column: (ends.machine, trail, row, column))
-    ((what, _, places),) = _core(subject)
+    ((what, _, places),) = _targets(subject)
     machines = subject.claims.parts
     tried = {subject.try_one(what, tuple(place)) for place in places.tolist()}
     assert tried == {(machine, Core(0, 0.01), column) for machine in machines for column in range(COLUMNS)}
