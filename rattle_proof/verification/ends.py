@@ -109,11 +109,18 @@ def in_disc(disc: Disc, moving: Moving) -> bool:
     off = moving.t - arb(disc.t)
     off -= (off + 0.5).floor().mid()
     middle = in_frame(disc, off + moving.rest_t, moving.v - arb(disc.v) + moving.rest_v)
+    square = arb(disc.radius) ** 2
+    if not _square(*middle) < square:
+        return False
     sides = [in_frame(disc, *side) for side in moving.sides]
     # The corners of a parallelogram are the furthest.
     corners = (tuple(m + sign_a * a + sign_b * b for m, a, b in zip(middle, *sides, strict=True))
                for sign_a in (-1, 1) for sign_b in (-1, 1))  # fmt: skip
-    return all(bool(x * x + y * y < arb(disc.radius) ** 2) for x, y in corners)
+    return all(_square(*corner) < square for corner in corners)
+
+
+def _square(x: arb, y: arb) -> arb:
+    return x * x + y * y
 
 
 def in_frame(disc: Disc, dt: arb, dv: arb) -> tuple[arb, arb]:

@@ -186,6 +186,8 @@ def _sine_cosine(turns: arb) -> tuple[arb, arb]:
     """Sine and cosine of an angle in turns; sharper at the extremes than a bound by the largest slope."""
     middle = turns.mid()
     sine, cosine = (2 * middle).sin_cos_pi()
+    if turns.is_exact():
+        return sine, cosine
     off = 2 * arb.pi() * (turns - middle)
     bent = arb(0, (off * off).abs_upper() / 2)
     return (
