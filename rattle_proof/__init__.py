@@ -16,10 +16,9 @@ Floors, the highest first; each imports from lower ones alone ::
     enclosures
 """
 
-from rattle_proof.proving_chaos import ProvenChaos, prove_chaos
 from rattle_proof.verifying import verify
 
-__all__ = ["ProvenChaos", "prove_chaos", "verify"]
+__all__ = ["verify"]
 COMMAND = (
     "rattle_proof.command:verify",
     "Prove again, by Arb balls, what a basin's store claims to be proven; exit with 1 if anything is not.",

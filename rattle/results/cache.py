@@ -30,9 +30,9 @@ class ResultCache:
         return Path(named) if named else platformdirs.user_cache_path("gear-rattle") / "results"
 
     @property
-    def verified(self) -> Path:
-        """Folder of what verifications of proofs have tried."""
-        return self.folder / "verified"
+    def beside(self) -> Path:
+        """Folder of what packages beside keep."""
+        return self.folder / "beside"
 
     def location_of(self, job: "Job") -> str:
         """Store of a job, whether it is there or not."""
@@ -45,14 +45,14 @@ class ResultCache:
     @property
     def size(self) -> int:
         """Bytes that all of it takes."""
-        kept = (*self.stores(), self.verified)
+        kept = (*self.stores(), self.beside)
         return sum(file.stat().st_size for folder in kept for file in folder.rglob("*") if file.is_file())
 
     def clear(self) -> None:
         """Remove all of it. Datasets of stores that are still open can no longer be read."""
         for store in self.stores():
             shutil.rmtree(store)
-        shutil.rmtree(self.verified, ignore_errors=True)
+        shutil.rmtree(self.beside, ignore_errors=True)
 
     def __repr__(self) -> str:
         return f"<{len(self.stores())} results, {decimal(self.size)}, in {self.folder}>"

@@ -28,7 +28,7 @@ def prove_again(
     parts = [same_store(subject), acceleration_at_rest(subject.claims.machine)]
     with Crew(subject, location, processes) as crew:
         for what, part, places in [*_targets(subject), *_tried_one_by_one(subject, cells, boxes, random)]:
-            kept = Kept(cache.verified, content, what, places)
+            kept = Kept(cache.beside / "verified", content, what, places)
             if anew:
                 kept.forget()
             _try_all(crew, kept, what, part, places, progress)

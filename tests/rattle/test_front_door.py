@@ -69,11 +69,11 @@ def test_kept_results_can_be_cleared(monkeypatch, tmp_path):
     rattle.grazing_curve(order=0, progress=False)
     assert len(rattle.cache.stores()) == 1
     size = rattle.cache.size
-    rattle.cache.verified.mkdir()
-    (rattle.cache.verified / "tried.txt").write_text("ten bytes!")
+    rattle.cache.beside.mkdir()
+    (rattle.cache.beside / "tried.txt").write_text("ten bytes!")
     assert rattle.cache.size == size + 10
     rattle.cache.clear()
-    assert rattle.cache.stores() == [] and rattle.cache.size == 0 and not rattle.cache.verified.exists()
+    assert rattle.cache.stores() == [] and rattle.cache.size == 0 and not rattle.cache.beside.exists()
 
 
 def test_an_interrupted_computation_goes_on_where_it_was(tmp_path, monkeypatch):

@@ -27,7 +27,7 @@ FAILURES = [contradicted("box (0, 1)", "it ends in P(1,1,0)"), undecided("box (2
 def folder(tmp_path, monkeypatch):
     """Where results of a test are kept."""
     monkeypatch.setenv("RATTLE_CACHE", str(tmp_path / "kept"))
-    return tmp_path / "kept" / "verified"
+    return tmp_path / "kept" / "beside" / "verified"
 
 
 def kept(folder, content="store", what="cells", places=PLACES):
