@@ -96,7 +96,7 @@ def test_a_changed_verdict_is_not_believed(folder):
 
 
 def test_where_nothing_can_be_kept_it_is_said(folder):
-    folder.parent.mkdir()
+    folder.parent.mkdir(parents=True)
     folder.write_text("no folder")
     with pytest.warns(UserWarning, match="what is verified is not kept"):
         kept(folder).add(0, [])
