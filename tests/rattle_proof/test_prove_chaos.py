@@ -48,7 +48,7 @@ def test_the_command_says_the_same(found):
         ({"columns": 128}, "from 256 to 8192"),
         ({"leaves": 2.5}, "whole number"),
         ({"cycles": 9}, "from 0 to 8"),
-        ({"tolerances": {"dampin": (0.5, 0.7)}}, "dampin has no tolerance"),
+        ({"tolerances": {"stiffness": (1.0, 2.0)}}, "stiffness has no tolerance"),
         ({"tolerances": {"damping": (0.61, 0.7)}}, "does not lie between"),
     ],
 )
