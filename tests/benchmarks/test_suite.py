@@ -95,10 +95,10 @@ def test_known_images_are_exact():
         assert exact_image(part.t[k], part.v[k], APPLICATIONS) == tuple(known[k])
 
 
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: f"{method.workload}, {method.name}")
+@pytest.mark.parametrize(
+    "method", [each for each in METHODS if not each.missing], ids=lambda method: f"{method.workload}, {method.name}"
+)
 def test_each_installed_method_agrees_with_the_known_answers(method):
-    if method.missing:
-        pytest.skip(f"not installed: {method.missing}")
     told = measure(method, WORKLOADS[method.workload], repeat=1, thinner=FEW)
     assert told.agrees, told
 
