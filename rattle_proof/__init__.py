@@ -22,7 +22,7 @@ __all__ = ["verify"]
 COMMAND = (
     "rattle_proof.command:verify",
     "Prove again, by Arb balls, what a basin's store claims to be proven; exit with 1 if anything is not.",
-    ("rattle verify basin.zarr --cells 1000", "rattle verify basin.zarr --boxes all"),
+    ("rattle verify basin.zarr --cells all", "rattle verify basin.zarr --boxes all"),
 )
 """``rattle verify``: the entry point `verify` of `rattle.commands` names it."""
 

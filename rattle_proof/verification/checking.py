@@ -71,7 +71,7 @@ def _tried_one_by_one(
     claims, found = subject.claims, []
     if claims.rattling is not None:
         places = np.argwhere(claims.rattling.ends)
-        found.append(("rattling", Part("boxes of the set that rattles for ever", len(places)), places))
+        found.append(("rattling", Part("boxes that rattle for ever", len(places)), places))
     chosen, of = _boxes(subject.proof.arrays, boxes, random)
     found.append(("boxes", Part("boxes of the lattice", of), chosen))
     proof = subject.proof
