@@ -21,9 +21,10 @@ def verify(
 ) -> "Verification":
     """Prove again what a basin's store claims to be proven, by other means: Arb balls of python-flint.
 
-    All targets are proven: a(t) > 0, the quiet core, each disc around an orbit, the set that rattles for ever. Of the
-    cells, and of the boxes of the lattice by which they were proven, a random sample is tried. A sample is a sample:
-    the others are not looked at. If all boxes are right, so is the lattice, by induction over its rounds.
+    These are proven whole: a(t) > 0, the quiet core, each disc around an orbit. Of the cells, of the boxes of the
+    lattice by which they were proven, and of those of the set that rattles for ever, a random sample is tried. A sample
+    is a sample: the others are not looked at. If all boxes are right, so are the set, and the lattice, by induction
+    over its rounds.
 
     What was tried is kept in `rattle.cache`. So the same call goes on where it stopped, and gives the same answer. All
     is tried again where the store, the sample or the code that verifies is another.
@@ -35,7 +36,8 @@ def verify(
     cells : int or "all"
         How many cells are tried, of those with a proven part.
     boxes : int or "all"
-        How many boxes of the lattice are tried, as many of each round as there are.
+        How many boxes of the lattice are tried, as many of each round as there are; and how many of the set that
+        rattles for ever.
     seed : int
         Of the sample.
     processes : int

@@ -71,7 +71,8 @@ def _tried_one_by_one(
     claims, found = subject.claims, []
     if claims.rattling is not None:
         places = np.argwhere(claims.rattling.ends)
-        found.append(("rattling", Part("boxes that rattle for ever", len(places)), places))
+        chosen = places if boxes == "all" else _some(places, boxes, random)
+        found.append(("rattling", Part("boxes that rattle for ever", len(places)), chosen))
     chosen, of = _boxes(subject.proof.arrays, boxes, random)
     found.append(("boxes", Part("boxes of the lattice", of), chosen))
     proof = subject.proof
