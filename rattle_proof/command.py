@@ -56,7 +56,7 @@ def prove_chaos(
     half_backlash: Annotated[float, typer.Option(help="beta")] = 0.6,
     restitution: Annotated[float, typer.Option(help="r; 1 is elastic")] = 1.0,
     tolerance: Annotated[
-        list[str] | None, typer.Option(help="For every machine within, as in damping=0.59997:0.60003; several")
+        list[str] | None, typer.Option(help="For every machine within, as in damping=0.59999:0.60001; several")
     ] = None,
     columns: Annotated[int, typer.Option(help="Boxes for a period, at least: a power of two")] = 2048,
     leaves: Annotated[int, typer.Option(help="Curves across the set that are tried")] = 200,
@@ -85,7 +85,7 @@ def _tolerance(text: str) -> tuple[str, tuple[float, float]]:
     try:
         least, greatest = map(float, ends.split(":"))
     except ValueError:
-        give_up(f"--tolerance {text}: write it as in damping=0.59997:0.60003", 2)
+        give_up(f"--tolerance {text}: write it as in damping=0.59999:0.60001", 2)
     return name.strip().replace("-", "_"), (least, greatest)
 
 
