@@ -208,7 +208,7 @@ def test_all_cells_may_be_tried_and_the_command_says_what_was_tried_before(store
 
 @pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGKILL])
 def test_once_stopped_no_process_is_left_and_the_same_command_goes_on(store, folder, stop):
-    command = [sys.executable, "-c", "from rattle.cli import app; app()", "verify", store, "--processes", "2"]
+    command = [sys.executable, "-c", "from rattle.cli import app; app()", "verify", store, "--boxes", "all"]
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
     with subprocess.Popen(
         command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True
