@@ -10,8 +10,12 @@ from typing import Any
 import numpy as np
 
 from rattle_kernels.basins.tiles import Tile
+from rattle_proof.certificate import places_of
 from rattle_proof.enclosures.cells import ProvenCells
 from rattle_proof.enclosures.growth import IMPACTS, NUMBERS
+from rattle_proof.enclosures.lattice import UNPROVEN
+from rattle_proof.enclosures.targets import Targets
+from rattle_proof.enclosures.windows import ACROSS, Windows, empty_windows
 from rattle_proof.layout import (
     FOLLOWED,
     LATTICE_ENDS,
@@ -23,6 +27,8 @@ from rattle_proof.layout import (
     RATTLING,
     TRAILS,
     UNPROVEN_REASON,
+    WINDOW_ENDS,
+    WINDOW_ORDER,
     grown,
 )
 from rattle_proof.request import asked_of
@@ -35,7 +41,7 @@ from worker.stores.open_arrays import OpenArrays
 from worker.stores.tile_arrays import TileArrays
 
 _GROWING = "growing"
-_CHUNK = 1024
+_CHUNK, _WINDOWS_A_CHUNK = 1024, 64
 BOXES_A_PART = 65536
 """Boxes that one task follows: a second's work. Their trails are 7 MB."""
 
@@ -85,12 +91,16 @@ class ProofArrays:
         with as_store_failure(self._location):
             return int(self._group[PROOF].attrs.get("levels_grown", -1)) if PROOF in self._group else -1
 
-    def begin(self, certificate: dict[str, Any], rattling: np.ndarray, core: np.ndarray) -> None:
-        """Write the targets: boxes that rattle for ever, the core on the lattice, the certificate (driver only)."""
+    def begin(self, certificate: dict[str, Any], targets: Targets, core: np.ndarray) -> None:
+        """Write the targets: what rattles for ever, windows, the core on lattices, the certificate (driver only)."""
         self._fence()
         with as_store_failure(self._location), synced_together(self._location):
             self._group.create_group(PROOF, overwrite=True)
-            self._create(RATTLING, rattling.shape, (_CHUNK, _CHUNK))[...] = rattling != 0
+            rattling, windows = targets.rattling.ends != UNPROVEN, targets.windows
+            self._create(RATTLING, rattling.shape, (_CHUNK, _CHUNK))[...] = rattling
+            if len(windows.places):
+                for variable, values in ((WINDOW_ENDS, windows.ends), (WINDOW_ORDER, windows.order)):
+                    self._create(variable, values.shape, (_WINDOWS_A_CHUNK, ACROSS, ACROSS))[...] = values
             self.create_lattice(0, False, core.shape)
             self._write_pair(0, False, core, np.zeros_like(core))
         self._count(0, certificate)
@@ -176,6 +186,15 @@ class ProofArrays:
     def read_rattling(self) -> np.ndarray:
         """Read which boxes belong to the set that rattles for ever."""
         return self._whole(RATTLING)
+
+    def read_windows(self) -> Windows:
+        """Read the windows, with what is proven of their boxes."""
+        certificate = self.certificate
+        assert certificate is not None
+        places = places_of(certificate)
+        if not len(places):
+            return empty_windows(places)
+        return Windows(places, self._whole(WINDOW_ENDS), self._whole(WINDOW_ORDER))
 
     def write_followed(self, part: int, ends: np.ndarray, trails: np.ndarray) -> None:
         """Write what is found of one part of the boxes."""

@@ -15,6 +15,10 @@ from rattle_proof.enclosures.lattice import UNPROVEN, Lattice
 from rattle_proof.enclosures.machine import Machine, parts_of
 from rattle_proof.enclosures.orbit_disc import OrbitDisc, disc_rows
 from rattle_proof.enclosures.targets import NO_QUIET, NOTHING_KNOWN, RATTLES, Certificate, Targets
+from rattle_proof.enclosures.windows import IMPACTS as OF_A_WINDOW
+from rattle_proof.enclosures.windows import Windows
+
+_PLACE = "height", "first", "columns", "left"
 
 
 def certificate_of(
@@ -47,6 +51,7 @@ def certificate_of(
         "motions": [each.name for each in attractors],
         "quiet": {"motion": quiet[0], "level": proven.level} if quiet else None,
         "discs": [_disc(motion, disc) for motion, disc in proven.discs.items()],
+        "windows": [_window(*map(float, each)) for each in proven.targets.windows.places],
         "rattling": None if rattling is NOTHING_KNOWN else {"motion": proven.rattling, **_place(rattling)},
         "lattice": {
             "height": lattice.height / 2**cuts,
@@ -54,7 +59,7 @@ def certificate_of(
             "columns": columns * 2**cuts,
             "rows": rows * 2**cuts,
         },
-        "impacts": {"trail": OF_A_TRAIL, "cell": OF_A_CELL},
+        "impacts": {"window": OF_A_WINDOW, "trail": OF_A_TRAIL, "cell": OF_A_CELL},
         "levels": levels,
     }
 
@@ -72,11 +77,32 @@ def _disc(motion: int, disc: OrbitDisc) -> dict[str, Any]:
     return {"motion": motion, **disc._asdict(), "frame": disc.frame.tolist()}
 
 
+def _window(height: float, first: float, columns: float, left: float) -> dict[str, Any]:
+    return {"height": height, "first": int(first), "columns": int(columns), "left": int(left)}
+
+
 def _place(lattice: Lattice) -> dict[str, Any]:
     return {"height": lattice.height, "first": lattice.first, "columns": lattice.ends.shape[1]}
 
 
-def targets_of(certificate: dict[str, Any], ends: np.ndarray, rattles: np.ndarray, never_quiet: np.ndarray) -> Targets:
+def places_of(certificate: dict[str, Any]) -> np.ndarray:
+    """Where the windows of a certificate lie, as `Windows` has it; stores of earlier versions have none.
+
+    Parameters
+    ----------
+    certificate : dict
+
+    Returns
+    -------
+    ndarray, shape (windows, 4)
+    """
+    told = certificate.get("windows", [])
+    return np.array([[each[name] for name in _PLACE] for each in told], float).reshape(-1, len(_PLACE))
+
+
+def targets_of(
+    certificate: dict[str, Any], ends: np.ndarray, rattles: np.ndarray, windows: Windows, never_quiet: np.ndarray
+) -> Targets:
     """Targets that a certificate says, with a lattice of any number of cuts.
 
     Parameters
@@ -86,6 +112,7 @@ def targets_of(certificate: dict[str, Any], ends: np.ndarray, rattles: np.ndarra
         Of one lattice, or of all parts' above each other.
     rattles : ndarray of uint8, shape (rows, columns)
         Boxes of the set that rattles for ever.
+    windows : Windows
     never_quiet : ndarray of uint16, shape (rows, columns)
         1 in boxes of the lattice of which nothing falls quiet, as far as that is known.
 
@@ -105,4 +132,4 @@ def targets_of(certificate: dict[str, Any], ends: np.ndarray, rattles: np.ndarra
         known = np.where(rattles, end, UNPROVEN).astype(np.uint16)
         rattling = Lattice(place["height"], place["first"], known)
     quiet = NO_QUIET if certificate["quiet"] is None else 1 + certificate["quiet"]["motion"]
-    return Targets(lattice, rattling, disc_rows(discs), quiet, lattice._replace(ends=never_quiet))
+    return Targets(lattice, rattling, disc_rows(discs), windows, quiet, lattice._replace(ends=never_quiet))

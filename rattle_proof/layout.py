@@ -54,7 +54,15 @@ RATTLING = Variable(
     "rattling", ("rattling_velocity", "rattling_time"), np.uint8, NOT_THERE,
     "1 where a box belongs to the set that rattles for ever", {}, False, PROOF,
 )  # fmt: skip
-"""What cells are proven from. ``rounds`` means nothing where ``ends`` is 0."""
+_OF_WINDOWS = ("window", "window_velocity", "window_time")
+WINDOW_ENDS = Variable(
+    "window_ends", _OF_WINDOWS, np.uint16, _LOST, LATTICE_ENDS.meaning, {}, False, PROOF,
+)  # fmt: skip
+WINDOW_ORDER = Variable(
+    "window_order", _OF_WINDOWS, np.uint32, 2**32 - 1, "when a box was proven, from boxes of lower numbers", {}, False,
+    PROOF,
+)  # fmt: skip
+"""What cells are proven from. ``rounds`` and ``window_order`` mean nothing where ends are 0."""
 FOLLOWED = Variable(
     "followed", ("box",), np.uint16, _LOST, "end of a box that comes to a target at once", {}, False, _GROWING
 )

@@ -83,7 +83,7 @@ class ProofRun:
         assert asked is not None
         certificate = certificate_of(machine, self._attractors, proven, asked.levels, LEVELS - 1)
         core = np.tile(proven.targets.lattice.ends, (len(parts_of(machine)), 1))
-        self._proof.begin(certificate, proven.targets.rattling.ends, core)
+        self._proof.begin(certificate, proven.targets, core)
         return self._from(0)
 
     def _from(self, level: int) -> list[Task]:

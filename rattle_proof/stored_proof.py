@@ -13,7 +13,7 @@ from worker.stores import layout
 from worker.stores.basin_store import BasinStore
 from worker.stores.opening import open_group
 
-_ARRAYS = ("ends", "rounds", "rattling", "never_quiet")
+_ARRAYS = ("ends", "rounds", "rattling", "never_quiet", "window_ends", "window_order")
 
 
 class StoredProof(NamedTuple):

@@ -87,7 +87,8 @@ def _known(location: str, digest: str, level: int) -> _Known:
         rattling = common_ends(proof_of(store).read_never_quiet().astype(np.uint16), len(parts))
     # Each of these takes tenths of a second of a large lattice.
     stop_if_cancelled()
-    targets = targets_of(certificate, ends, proof_of(store).read_rattling(), rattling)
+    proof = proof_of(store)
+    targets = targets_of(certificate, ends, proof.read_rattling(), proof.read_windows(), rattling)
     if 0 < level < LEVELS:
         targets = targets._replace(lattice=refined(targets.lattice))
         stop_if_cancelled()

@@ -5,15 +5,13 @@ from typing import NamedTuple
 from rattle_kernels.numerics.jit import inlined_as_written
 from rattle_proof.enclosures.interval import width
 from rattle_proof.enclosures.lattice import UNPROVEN
-from rattle_proof.enclosures.moving_set import advance, set_out, strip_of
+from rattle_proof.enclosures.moving_set import WIDEST, advance, set_out, strip_of
 from rattle_proof.enclosures.targets import proven_end, rattles
 
 # Why a box is not proven.
 ARRIVES_NOWHERE = 1
 SPREADS = 2
 GRAZES = 3
-WIDEST = 0.5
-"""A width in time beyond which a set is given up."""
 
 
 class Followed(NamedTuple):

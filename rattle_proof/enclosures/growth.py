@@ -15,11 +15,10 @@ import numpy as np
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.jit import inlined_as_written, kernel_as_written
 from rattle_kernels.numerics.pausing import Pause, never_stopped
-from rattle_proof.enclosures.following import WIDEST
 from rattle_proof.enclosures.interval import Interval, down, up, width
 from rattle_proof.enclosures.lattice import UNPROVEN, Lattice, Strip, box_at, find_end
 from rattle_proof.enclosures.machine import Machine
-from rattle_proof.enclosures.moving_set import advance, set_out, strip_of
+from rattle_proof.enclosures.moving_set import WIDEST, advance, set_out, strip_of
 from rattle_proof.enclosures.targets import RATTLES, Targets, proven_end, rattles
 
 IMPACTS = 4

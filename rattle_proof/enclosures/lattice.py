@@ -118,37 +118,42 @@ class Found(NamedTuple):
 
 
 @inlined_as_written
-def _rows_of(lattice, strip, j):
+def _rows_of(height, first, columns, rows, strip, j):
     """The first and the last row that a strip touches in a column: none if the last comes first."""
-    columns = lattice.ends.shape[1]
     early, late = max(j / columns, strip.t.low), min((j + 1) / columns, strip.t.high)
-    first, last = strip.slope * early, strip.slope * late
-    low = max(down(down(min(first, last)) + strip.offset.low), strip.v.low)
-    high = min(up(up(max(first, last)) + strip.offset.high), strip.v.high)
+    begin, last = strip.slope * early, strip.slope * late
+    low = max(down(down(min(begin, last)) + strip.offset.low), strip.v.low)
+    high = min(up(up(max(begin, last)) + strip.offset.high), strip.v.high)
     if high < low:
         return 0, -1
-    low, high = low / lattice.height, high / lattice.height
+    low, high = low / height, high / height
     # In this form NaN is outside, too.
-    if not (low >= lattice.first and high < lattice.first + lattice.ends.shape[0]):
+    if not (low >= first and high < first + rows):
         return -1, -1
-    return math.floor(low) - lattice.first, math.floor(high) - lattice.first
+    return math.floor(low) - first, math.floor(high) - first
 
 
 @inlined_as_written
 def find_end(lattice, strip):
     """The end of all departures of a strip, as far as the lattice knows it."""
-    columns = lattice.ends.shape[1]
+    return find_end_within(lattice.height, lattice.first, lattice.ends.shape[1], 0, lattice.ends, strip)
+
+
+@inlined_as_written
+def find_end_within(height, first, columns, left, ends, strip):
+    """The same, where `columns` divide the period, of which there are those from the number `left` on."""
     if not (strip.t.high - strip.t.low < _WIDEST and abs(strip.t.low) < _FURTHEST):
         return Found(UNPROVEN, -1, -1)
     end = UNPROVEN
     for j in range(math.floor(strip.t.low * columns), math.floor(strip.t.high * columns) + 1):
-        bottom, top = _rows_of(lattice, strip, j)
-        if bottom < 0:
+        column = (j - left) % columns
+        bottom, top = _rows_of(height, first, columns, ends.shape[0], strip, j)
+        if bottom < 0 or column >= ends.shape[1]:
             return Found(UNPROVEN, -1, -1)
         for i in range(bottom, top + 1):
-            here = int(lattice.ends[i, j % columns])
+            here = int(ends[i, column])
             if here == UNPROVEN:
-                return Found(UNPROVEN, i, j % columns)
+                return Found(UNPROVEN, i, column)
             if end != UNPROVEN and here != end:
                 return Found(UNPROVEN, -1, -1)
             end = here

@@ -17,6 +17,8 @@ from rattle_proof.enclosures.interval import Interval, add, around, hull, middle
 from rattle_proof.enclosures.lattice import Strip
 
 STEEPEST = 4096.0
+WIDEST = 0.5
+"""A width in time beyond which a set is given up."""
 
 
 class MovingSet(NamedTuple):

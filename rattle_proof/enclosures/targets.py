@@ -1,4 +1,4 @@
-"""Where motions are proven to end: the quiet core, discs around orbits, a set that rattles for ever."""
+"""Where motions are proven to end: the quiet core, discs and windows around orbits, a set that rattles for ever."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -17,12 +17,12 @@ from rattle_proof.enclosures.machine import Machine, acceleration, error_at
 from rattle_proof.enclosures.orbit_disc import OrbitDisc, disc_rows, lies_in_disc, orbit_disc
 from rattle_proof.enclosures.quiet_core import quiet_level
 from rattle_proof.enclosures.rattling_set import Search, rattling_set, wandering
+from rattle_proof.enclosures.windows import Windows, end_in_windows, grown_windows
 
 COLUMNS = 1024
 """Columns of the first lattice."""
-# How many times as many a set that rattles for ever may have.
-_FINER = 32
-
+# How many times as many a set that rattles for ever may have, and windows have more than.
+_FINER, _FINER_THAN = 32, 4
 
 NO_QUIET = 2**16 - 1
 """End of no motion: none was found to fall quiet."""
@@ -36,13 +36,14 @@ class Targets(NamedTuple):
     """Proven places. An *end* is 1 + the number of a motion, UNPROVEN where there is none.
 
     ``rattling`` carries the end of the chaotic motion that its boxes hold alone, or RATTLES. ``discs``, shape
-    (discs, 8), is as `disc_rows` has it. ``quiet`` is the end of what falls quiet, and ``never_quiet`` has 1 in boxes
-    of which nothing does, once the lattice has grown.
+    (discs, 8), is as `disc_rows` has it, and ``windows`` lie around them. ``quiet`` is the end of what falls quiet, and
+    ``never_quiet`` has 1 in boxes of which nothing does, once the lattice has grown.
     """
 
     lattice: Lattice
     rattling: Lattice
     discs: np.ndarray
+    windows: Windows
     quiet: int
     never_quiet: Lattice
 
@@ -73,7 +74,7 @@ def proven_end(targets, moving, strip):
     for i in range(targets.discs.shape[0]):
         if lies_in_disc(targets.discs[i], moving):
             return int(targets.discs[i, 0])
-    return UNPROVEN
+    return end_in_windows(targets.windows, strip)
 
 
 @inlined_as_written
@@ -134,6 +135,7 @@ def prove_targets(
         disc = orbit_disc(machine, oscillator, each, pause) if each.kind == AttractorKind.PERIODIC else None
         if disc is not None:
             discs[n] = disc
+    windows = grown_windows(machine, oscillator, discs, attractors, _FINER_THAN * columns, pause)
     rattling, chaos = NOTHING_KNOWN, None
     search = Search(machine, oscillator, _edge_of_core(machine, level), _FINER * columns, pause)
     for n, each in enumerate(attractors):
@@ -143,7 +145,8 @@ def prove_targets(
             rattling, chaos = found, n
     if chaos is None:
         rattling = _what_rattles(search, level, top)
-    return Certificate(level, discs, chaos, Targets(lattice, rattling, disc_rows(discs), quiet, NOTHING_KNOWN))
+    targets = Targets(lattice, rattling, disc_rows(discs), windows, quiet, NOTHING_KNOWN)
+    return Certificate(level, discs, chaos, targets)
 
 
 def _edge_of_core(machine: Machine, level: float) -> float:

@@ -73,6 +73,9 @@ def _tried_one_by_one(
         places = np.argwhere(claims.rattling.ends)
         chosen = places if boxes == "all" else _some(places, boxes, random)
         found.append(("rattling", Part("boxes that rattle for ever", len(places)), chosen))
+    if claims.windows:
+        places = np.argwhere(subject.proof.arrays["window_ends"])
+        found.append(("windows", Part("boxes of windows", len(places)), _some(places, boxes, random)))
     chosen, of = _boxes(subject.proof.arrays, boxes, random)
     found.append(("boxes", Part("boxes of the lattice", of), chosen))
     proof = subject.proof

@@ -29,14 +29,17 @@ class Core(NamedTuple):
 
 
 class Lattice(NamedTuple):
-    """Boxes ``[j, j + 1]/columns`` by ``[first + i, first + i + 1] height``.
+    """Boxes ``[left + j, left + j + 1]/columns`` by ``[first + i, first + i + 1] height``.
 
-    ``ends`` carries 1 + the number of a motion, 0 where nothing is claimed, RATTLES where all that is claimed is that
-    none of it falls quiet; ``rounds`` tells in which round.
+    Those of a window are some of the period's columns. ``ends`` carries 1 + the number of a motion, 0 where nothing is
+    claimed, RATTLES where all that is claimed is that none of it falls quiet. ``rounds`` tells in which round, or which
+    number a box of a window has in the order of their proofs.
     """
 
     height: float
     first: int
+    columns: int
+    left: int
     ends: np.ndarray
     rounds: np.ndarray
 
@@ -54,6 +57,7 @@ class Claims(NamedTuple):
     motions: tuple[str, ...]
     core: Core | None
     discs: tuple[Disc, ...]
+    windows: tuple[Lattice, ...]
     rattling: Lattice | None
     lattice: Lattice
     lattices: tuple[Lattice, ...]
@@ -71,7 +75,7 @@ class Claims(NamedTuple):
 
 
 def claims_of(certificate: dict[str, Any], arrays: dict[str, np.ndarray]) -> Claims:
-    """Read a certificate and the arrays ``ends``, ``rounds`` and, where there are, ``rattling`` and ``never_quiet``.
+    """Read a certificate and arrays: ``ends``, ``rounds`` and, where there are, those of sets and windows.
 
     The lattices of parts stand above each other in their arrays.
 
@@ -85,9 +89,10 @@ def claims_of(certificate: dict[str, Any], arrays: dict[str, np.ndarray]) -> Cla
     if chaos is not None:
         end = RATTLES if chaos["motion"] is None else 1 + int(chaos["motion"])
         held = np.where(arrays["rattling"] > 0, end, 0).astype(np.uint16)
-        rattling = Lattice(float(chaos["height"]), int(chaos["first"]), held, np.zeros_like(held))
+        place = float(chaos["height"]), int(chaos["first"]), held.shape[1], 0
+        rattling = Lattice(*place, held, np.zeros_like(held))
     parts = tuple(Machine.of(each) for each in certificate.get("parts") or [certificate["machine"]])
-    place = float(grid["height"]), int(grid["first"])
+    place = float(grid["height"]), int(grid["first"]), arrays["ends"].shape[1], 0
     ends, rounds = (np.split(arrays[name], len(parts)) for name in ("ends", "rounds"))
     never_quiet = np.split(arrays.get("never_quiet", np.zeros_like(arrays["ends"])), len(parts))
     same = np.logical_and.reduce([each == ends[0] for each in ends])
@@ -97,12 +102,20 @@ def claims_of(certificate: dict[str, Any], arrays: dict[str, np.ndarray]) -> Cla
         tuple(certificate["motions"]),
         None if quiet is None else Core(int(quiet["motion"]), float(quiet["level"])),
         tuple(_disc(each) for each in certificate["discs"]),
+        tuple(
+            _window(each, arrays["window_ends"][n], arrays["window_order"][n])
+            for n, each in enumerate(certificate.get("windows", []))
+        ),
         rattling,
         Lattice(*place, np.where(same, ends[0], 0), np.maximum.reduce(rounds)),
         tuple(Lattice(*place, *each) for each in zip(ends, rounds, strict=True)),
         Lattice(*place, np.minimum.reduce(never_quiet), np.zeros_like(rounds[0])),
         tuple(Lattice(*place, *each) for each in zip(never_quiet, rounds, strict=True)),
     )
+
+
+def _window(told: dict[str, Any], ends: np.ndarray, order: np.ndarray) -> Lattice:
+    return Lattice(float(told["height"]), int(told["first"]), int(told["columns"]), int(told["left"]), ends, order)
 
 
 def _disc(told: dict[str, Any]) -> Disc:

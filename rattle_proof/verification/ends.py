@@ -27,8 +27,8 @@ def floor_of(a: arb) -> int:
 
 def boxes_of(lattice: Lattice, strip: Strip) -> Iterator[Index | None]:
     """Index of the boxes that a strip touches, column by column; None for a column where it leaves the lattice."""
-    rows, columns = lattice.ends.shape
-    height = arb(lattice.height)
+    rows, held = lattice.ends.shape
+    columns, height = lattice.columns, arb(lattice.height)
     for j in range(floor_of(strip.t * columns), floor_of((strip.t * columns).upper()) + 1):
         column = ball(j, j + 1) / columns
         times = column.intersection(strip.t)
@@ -37,7 +37,8 @@ def boxes_of(lattice: Lattice, strip: Strip) -> Iterator[Index | None]:
             continue
         lines = speeds.intersection(strip.v) / height
         bottom, top = floor_of(lines) - lattice.first, floor_of(lines.upper()) - lattice.first
-        yield (slice(bottom, top + 1), j % columns) if 0 <= bottom and top < rows else None
+        at = (j - lattice.left) % columns
+        yield (slice(bottom, top + 1), at) if 0 <= bottom and top < rows and at < held else None
 
 
 def end_in(lattice: Lattice, strip: Strip, before: int | None = None) -> int:
@@ -58,8 +59,8 @@ def end_in(lattice: Lattice, strip: Strip, before: int | None = None) -> int:
 
 def box_of(lattice: Lattice, row: int, column: int) -> tuple[arb, arb]:
     """Times and speeds of a box."""
-    low = lattice.first + row
-    return ball(column, column + 1) / lattice.ends.shape[1], ball(low, low + 1) * arb(lattice.height)
+    low, early = lattice.first + row, lattice.left + column
+    return ball(early, early + 1) / lattice.columns, ball(low, low + 1) * arb(lattice.height)
 
 
 class Ends:
@@ -85,15 +86,28 @@ class Ends:
         return end if end in (NOWHERE, self.claims.quiet) else NEVER_QUIET
 
     def at_target(self, moving: Moving) -> int:
-        """The motion whose core, disc or rattling set holds all of a set."""
+        """The motion whose core, disc, window or rattling set holds all of a set."""
         core = self.claims.core
         if core is not None and in_core(self.machine, core, moving.all_t, moving.all_v):
             return 1 + core.motion
+        end = self.near_orbit(moving)
+        if end == NOWHERE:
+            end = self._in_rattling_set(moving)
+        return NOWHERE if end == RATTLES else end
+
+    def near_orbit(self, moving: Moving, before: int | None = None) -> int:
+        """The motion whose disc holds all of a set, or boxes of a window, proven `before` some number."""
         for disc in self.claims.discs:
             if in_disc(disc, moving):
                 return 1 + disc.motion
-        end = self._in_rattling_set(moving)
-        return NOWHERE if end == RATTLES else end
+        # To leave a window out is no fault, so rounding does not matter here.
+        speed = float(moving.strip.v.mid())
+        for window in self.claims.windows:
+            if 0.0 <= speed / window.height - window.first < window.ends.shape[0]:
+                end = end_in(window, moving.strip, before)
+                if end != NOWHERE:
+                    return end
+        return NOWHERE
 
     def _in_rattling_set(self, moving: Moving) -> int:
         return NOWHERE if self.claims.rattling is None else end_in(self.claims.rattling, moving.strip)

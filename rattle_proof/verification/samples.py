@@ -127,6 +127,14 @@ def try_box(ends: Ends, trail: int, row: int, column: int) -> Failure | None:
     return None if lost is None else failure_of(ends, place, end, lost)
 
 
+def try_box_of_window(ends: Ends, impacts: int, number: int, row: int, column: int) -> Failure | None:
+    """Prove that a box of a window comes to a disc, or to boxes of windows that were proven earlier, of its end."""
+    window = ends.claims.windows[number]
+    end, order = int(window.ends[row, column]), int(window.rounds[row, column])
+    lost = lost_part(ends, *box_of(window, row, column), end, impacts, lambda moving: ends.near_orbit(moving, order))
+    return None if lost is None else failure_of(ends, f"box ({row}, {column}) of window {number}", end, lost)
+
+
 def try_box_that_rattles(ends: Ends, trail: int, row: int, column: int) -> Failure | None:
     """Prove that a box of which nothing is claimed to fall quiet comes back to such boxes, and is not of rest."""
     lattice = ends.claims.never_quiet

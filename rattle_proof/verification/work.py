@@ -20,6 +20,7 @@ from rattle_proof.verification.ends import Ends
 from rattle_proof.verification.samples import (
     Plane,
     try_box,
+    try_box_of_window,
     try_box_that_rattles,
     try_cell,
     try_cell_that_rattles,
@@ -35,7 +36,7 @@ BITS = 64
 # Batches that wait, for each process.
 _AHEAD = 4
 
-Place = tuple[int, int]
+Place = tuple[int, ...]
 
 
 class Subject(NamedTuple):
@@ -51,6 +52,8 @@ class Subject(NamedTuple):
         """Prove one thing again."""
         if what == "discs":
             return try_disc(self.claims, place[0])
+        if what == "windows":
+            return try_box_of_window(self.ends, int(self.proof.certificate["impacts"]["window"]), *place)
         if what == "core" and self.claims.core is not None:
             return try_column(self.claims.parts[place[0]], self.claims.core, place[1])
         if what == "rattling" and self.claims.rattling is not None:

@@ -19,8 +19,32 @@ _LOW, _MOVING, _LATTICE, _TARGETS, _CELLS, _TURNS = (
     f"test_{each}.py" for each in ("low_bounces", "moving_sets", "lattice", "targets", "cells", "turning_points")
 )
 _LEAVES, _ENTROPY, _CHAOS = (f"../chaos/test_{each}.py" for each in ("leaves", "entropy", "impact_map"))
-_CONDITIONS, _NEVER = "test_target_conditions.py", "test_never_quiet.py"
+_CONDITIONS, _NEVER, _WINDOWS = "test_target_conditions.py", "test_never_quiet.py", "test_windows.py"
 _FAULTS = [
+    (_WINDOWS, "windows.py",
+     "Interval((place[3] + j) / place[2], (place[3] + j + 1.0) / place[2])",
+     "Interval((place[3] + j + 0.5) / place[2], (place[3] + j + 0.5) / place[2])"),
+    (_WINDOWS, "windows.py",
+     "windows.order[n, i, j] = end, count",
+     "windows.order[n, i, j] = end, 1"),
+    (_WINDOWS, "windows.py",
+     "end = int(disc[0]) if lies_in_disc(disc, moving) else end_in_windows(windows, strip_of(moving))",
+     "end = int(disc[0])"),
+    (_WINDOWS, "windows.py",
+     "if end != UNPROVEN:\n            return end\n    return UNPROVEN",
+     "return end + 1\n    return UNPROVEN"),
+    (_WINDOWS, "windows.py",
+     "(place[1] + i + 1.0) * place[0])), False)",
+     "(place[1] + i) * place[0])), False)"),
+    (_WINDOWS, "lattice.py",
+     "column = (j - left) % columns",
+     "column = j % columns"),
+    (_WINDOWS, "lattice.py",
+     "if here == UNPROVEN:\n                return Found(UNPROVEN, i, column)",
+     "if here == UNPROVEN:\n                continue"),
+    (_WINDOWS, "targets.py",
+     "return end_in_windows(targets.windows, strip)",
+     "return UNPROVEN"),
     (_CONDITIONS, "targets.py",
      "- 1.0 / rattling.ends.shape[1] > near_t",
      "> near_t"),
@@ -320,7 +344,7 @@ def test_a_fault_is_caught(tmp_path, compiled, tests, file, right, wrong):
     faulty.write_text(text.replace(right, wrong, 1))
     options = ["-q", "-x", "-p", "no:cacheprovider", "--timeout", "800"]
     command = [sys.executable, "-m", "pytest", *options, f"tests/rattle_proof/enclosures/{tests}"]
-    plain = "0" if tests in (_TARGETS, _CELLS, _CHAOS) else "1"
+    plain = "0" if tests in (_TARGETS, _CELLS, _CHAOS, _WINDOWS) else "1"
     environment = {
         **{name: value for name, value in os.environ.items() if name != "PYTEST_ADDOPTS"},
         "NUMBA_DISABLE_JIT": plain,

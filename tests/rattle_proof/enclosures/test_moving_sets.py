@@ -14,6 +14,7 @@ from rattle_proof.enclosures.interval import Interval, point
 from rattle_proof.enclosures.lattice import empty_lattice
 from rattle_proof.enclosures.moving_set import _without_turns, advance, set_out, strip_of
 from rattle_proof.enclosures.targets import NO_QUIET, NOTHING_KNOWN, Targets
+from rattle_proof.enclosures.windows import NO_WINDOWS
 from tests.rattle_proof.enclosures.exact_flights import ExactMap
 from tests.rattle_proof.enclosures.machines import OSCILLATORS, departures_in, machine_and_some
 
@@ -84,7 +85,7 @@ def test_trails_hold_images_in_single_precision():
     # Boxes so small that single precision is coarse beside the strips.
     lattice = empty_lattice(0.0, 2.0**-13, 2**16, 2.0**-20)
     lattice = lattice._replace(first=2**21)
-    targets = Targets(lattice, NOTHING_KNOWN, np.empty((0, 8)), NO_QUIET, NOTHING_KNOWN)
+    targets = Targets(lattice, NOTHING_KNOWN, np.empty((0, 8)), NO_WINDOWS, NO_QUIET, NOTHING_KNOWN)
     boxes = np.stack([random.integers(0, n, _BOXES) for n in lattice.ends.shape], axis=1).astype(np.int32)
     ends, trails = np.zeros(_BOXES, np.uint16), empty_trails(_BOXES)
     follow_boxes(machine, oscillator, targets, boxes, ends, trails)

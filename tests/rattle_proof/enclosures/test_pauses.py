@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from rattle_kernels import CellGrid, find_attractors
-from rattle_proof.enclosures import cells, growth, orbit_disc, quiet_core, rattling_set
+from rattle_kernels import CellGrid, Oscillator, find_attractors
+from rattle_proof.enclosures import cells, growth, orbit_disc, quiet_core, rattling_set, windows
 from rattle_proof.enclosures.lattice import UNPROVEN, Lattice
 from rattle_proof.enclosures.machine import machine_of
 from rattle_proof.enclosures.targets import NO_QUIET, NOTHING_KNOWN, Targets, prove_targets
+from rattle_proof.enclosures.windows import NO_WINDOWS
 from tests.rattle_proof.enclosures.machines import OSCILLATORS
 
 FIG_7 = OSCILLATORS[0]
@@ -44,7 +45,7 @@ def _machine():
 
 
 def _nowhere(lattice):
-    return Targets(lattice, NOTHING_KNOWN, np.zeros((0, 8)), NO_QUIET, NOTHING_KNOWN)
+    return Targets(lattice, NOTHING_KNOWN, np.zeros((0, 8)), NO_WINDOWS, NO_QUIET, NOTHING_KNOWN)
 
 
 def test_boxes_are_followed_with_pauses(counted, monkeypatch):
@@ -134,6 +135,18 @@ def test_boxes_take_no_more_images_between_two_pauses_than_a_tenth_of_a_second(c
     boxes, lattice = np.zeros((100_000, 2), np.int32), Lattice(1.0, 0, np.zeros((1, 1), np.uint16))
     ends, trails = np.zeros(len(boxes), np.uint16), growth.empty_trails(len(boxes))
     growth.follow_all(_machine(), FIG_7, _nowhere(lattice), boxes, ends, trails, counted.pause)
+    assert MOST_IMAGES / 4 < counted.most <= MOST_IMAGES
+
+
+def test_windows_grow_with_pauses(counted):
+    """As much as in a tenth of a second: images of boxes, or impacts by numbers, which are a hundred times as fast."""
+    oscillator = Oscillator(0.6, 0.0945)
+    found = find_attractors(oscillator, [0.7362850732], [4.3919449986])
+    (orbit,) = (each for each in found if each.name == "P(2,2,1)")
+    disc = orbit_disc.orbit_disc(machine_of(oscillator), oscillator, orbit)
+    counted.count(windows, "_follow", lambda *arguments: len(arguments[4]) * windows.IMPACTS)
+    counted.count(windows, "next_impacts", lambda *arguments: len(arguments[1]) * arguments[3] / 100)
+    windows.grown_windows(machine_of(oscillator), oscillator, {0: disc}, [orbit], 4096, counted.pause)
     assert MOST_IMAGES / 4 < counted.most <= MOST_IMAGES
 
 

@@ -7,7 +7,13 @@ import pytest
 
 import rattle
 from rattle_proof.verification.ends import Ends
-from rattle_proof.verification.samples import try_box, try_box_that_rattles, try_cell, try_cell_that_rattles
+from rattle_proof.verification.samples import (
+    try_box,
+    try_box_of_window,
+    try_box_that_rattles,
+    try_cell,
+    try_cell_that_rattles,
+)
 from rattle_proof.verification.targets.discs import try_disc
 from rattle_proof.verification.targets.quiet import COLUMNS, try_column
 from rattle_proof.verification.work import subject_at
@@ -126,10 +132,38 @@ def wandering(tmp_path_factory):
 def test_what_never_falls_quiet_is_proven_again(wandering):
     found = rattle.verify(wandering, cells=100, boxes=200)
     assert found.holds, [part.failures for part in found.parts]
-    boxes, rattling_boxes, rattling_cells, cells = found.parts[-4:]
-    assert (boxes.tried, cells.tried) == (200, 100)
+    windows, boxes, rattling_boxes, rattling_cells, cells = found.parts[-5:]
+    assert (windows.name, windows.tried, boxes.tried, cells.tried) == ("boxes of windows", 200, 200, 100)
     assert (rattling_boxes.name, rattling_boxes.tried) == ("boxes that never fall quiet", 200)
     assert rattling_cells.name == "cells that never fall quiet" and rattling_cells.tried == min(100, rattling_cells.of)
+
+
+def test_a_box_of_a_window_with_another_end_is_found(wandering):
+    """Each alone is wrong, among others that are right."""
+    subject = subject_at(wandering)
+    windows, impacts = subject.claims.windows, int(subject.proof.certificate["impacts"]["window"])
+    for n in range(0, len(windows), max(1, len(windows) // 10)):
+        proven = np.argwhere(windows[n].ends)
+        row, column = proven[len(proven) // 2].tolist()
+        assert try_box_of_window(subject.ends, impacts, n, row, column) is None
+        ends = windows[n].ends.copy()
+        ends[row, column] += 1
+        faulty = (*windows[:n], windows[n]._replace(ends=ends), *windows[n + 1 :])
+        failure = try_box_of_window(Ends(subject.claims._replace(windows=faulty)), impacts, n, row, column)
+        assert failure is not None and failure.contradicted, (n, row, column)
+
+
+def test_a_box_of_a_window_that_rests_on_later_ones_is_found(wandering):
+    """Were it the first of all, there would be the discs alone; the last proven are furthest from these."""
+    subject = subject_at(wandering)
+    windows, impacts = subject.claims.windows, int(subject.proof.certificate["impacts"]["window"])
+    n = len(windows) - 1
+    for row, column in np.argwhere(windows[n].rounds == windows[n].rounds.max()).tolist():
+        assert try_box_of_window(subject.ends, impacts, n, row, column) is None
+        order = windows[n].rounds.copy()
+        order[row, column] = 1
+        faulty = subject.claims._replace(windows=(*windows[:n], windows[n]._replace(rounds=order)))
+        assert try_box_of_window(Ends(faulty), impacts, n, row, column) is not None
 
 
 def test_a_box_that_falls_quiet_among_those_that_never_do_is_found(wandering):
