@@ -100,6 +100,22 @@ def places_of(certificate: dict[str, Any]) -> np.ndarray:
     return np.array([[each[name] for name in _PLACE] for each in told], float).reshape(-1, len(_PLACE))
 
 
+def most_impacts(impacts: dict[str, int], rounds: int) -> int:
+    """After how many impacts at most departures of proven cells lie in the core, whose boxes have so many rounds.
+
+    Parameters
+    ----------
+    impacts : dict of str to int
+        Of a certificate: how long cells and boxes are followed at most.
+    rounds : int
+
+    Returns
+    -------
+    int
+    """
+    return impacts["cell"] + impacts["trail"] * rounds
+
+
 def targets_of(
     certificate: dict[str, Any], ends: np.ndarray, rattles: np.ndarray, windows: Windows, never_quiet: np.ndarray
 ) -> Targets:

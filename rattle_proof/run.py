@@ -15,9 +15,9 @@ import numpy as np
 
 from rattle_kernels import Attractor
 from rattle_proof.arrays import BOXES_A_PART, proof_of
-from rattle_proof.certificate import certificate_of
+from rattle_proof.certificate import certificate_of, most_impacts
 from rattle_proof.enclosures.machine import parts_of
-from rattle_proof.enclosures.targets import Certificate
+from rattle_proof.enclosures.targets import Certificate, quiet_end
 from rattle_proof.layout import Unproven
 from rattle_proof.request import LEVELS, asked_of, machine_asked_of
 from rattle_proof.tasks import (
@@ -61,7 +61,7 @@ class ProofRun:
         self.seconds: dict[str, float] = defaultdict(float)
         self._ready: deque[Task] = deque()
         self._stage, self._done, self._total, self._begun = _ENCLOSING, 0, 1, time.monotonic()
-        self._boxes = self._proven_boxes = self._rounds = 0
+        self._boxes = self._proven_boxes = self._rounds = self._quiet_rounds = 0
         self._reasons = np.zeros(len(Unproven), np.int64)
         self._sixty_fourths, self._never_quiet = np.zeros(len(attractors), np.int64), 0
         self._proof.make_room()
@@ -92,6 +92,7 @@ class ProofRun:
         ends, rounds = self._proof.read_lattice(level, level == LEVELS)
         self._boxes, self._proven_boxes, self._rounds = ends.size, int(np.count_nonzero(ends)), int(rounds.max())
         if level == LEVELS:
+            self._quiet_rounds = int(rounds.max(where=ends == quiet_end(self._attractors), initial=0))
             tiles = self._store.tiling.numbers_of(0)
             self._enter(_PROVING, len(tiles))
             return [Task(prove_tile, tile, (), self._proven) for tile in tiles]
@@ -143,6 +144,8 @@ class ProofRun:
             "proven_boxes": self._proven_boxes,
             "rounds": self._rounds,
         }
+        if certificate["quiet"] is not None:
+            certificate["quiet"]["within"] = most_impacts(certificate["impacts"], self._quiet_rounds)
         certificate["shares"] = (self._sixty_fourths / (_WHOLE * cells)).tolist()
         certificate["never_quiet"] = self._never_quiet / (_WHOLE * cells)
         certificate["versions"] = versions()

@@ -97,12 +97,25 @@ def _counts(subject: Subject) -> Failure | None:
     for name, count in found.items():
         if counts.get(name) != count:
             return contradicted("counts", f"{name}: {counts.get(name)} in the certificate, {count} in the store")
-    if failure := _never_quiet(subject):
+    if failure := _within(subject) or _never_quiet(subject):
         return failure
     parts = np.bincount(proof.solution.ravel(), proof.proven.ravel(), len(proof.attractors))
     if len(shares) != len(parts) or not np.allclose(shares, parts / (WHOLE * proof.proven.size), 0.0, _ROUNDED):
         return contradicted("shares", "the certificate has other shares than the cells of the store")
     return None
+
+
+def _within(subject: Subject) -> Failure | None:
+    """After how many impacts all that falls quiet lies in the core: what a cell takes, and each round of its boxes."""
+    proof = subject.proof
+    told = (proof.certificate["quiet"] or {}).get("within")
+    if told is None:
+        # A store of an earlier edition claims nothing of the kind.
+        return None
+    quiet = proof.arrays["ends"] == subject.claims.quiet
+    impacts = proof.certificate["impacts"]
+    most = impacts["cell"] + impacts["trail"] * int(proof.arrays["rounds"].max(where=quiet, initial=0))
+    return None if told >= most else contradicted("counts", f"within {told} impacts: it may take {most}")
 
 
 def _never_quiet(subject: Subject) -> Failure | None:

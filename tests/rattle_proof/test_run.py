@@ -8,7 +8,7 @@ import pytest
 from distributed import Client
 
 import rattle
-from rattle_kernels import CellGrid, Oscillator
+from rattle_kernels import CellGrid, Oscillator, next_impacts
 from rattle_proof.arrays import proof_of
 from rattle_proof.enclosures.cells import WHOLE
 from rattle_proof.layout import NEVER_QUIET, PROVEN, UNPROVEN_REASON, Unproven
@@ -23,6 +23,7 @@ from worker.stores.basin_store import BasinStore
 from worker.stores.new_store import consolidate
 from worker.stores.opening import open_group
 
+_EVER, _OF_WINDOWS = ("ends", "never_quiet", "rattling", "rounds"), ("window_ends", "window_order")
 ENCLOSING, PROVING = Stage("enclosing"), Stage("proving")
 pytestmark = pytest.mark.timeout(400)
 # Losing energy, most departures fall quiet soon.
@@ -103,6 +104,24 @@ def test_the_certificate_says_what_the_arrays_say(store):
     assert ends.max() <= len(certificate["motions"])
 
 
+def test_motions_are_in_the_core_within_as_many_impacts_as_the_certificate_says(store):
+    certificate = proof_of(store).certificate
+    quiet, (ends, rounds) = certificate["quiet"], proof_of(store).read_lattice(LEVELS, True)
+    assert quiet["within"] == 12 + 4 * rounds[ends == 1 + quiet["motion"]].max()
+    (proven,), grid = store.read_whole((PROVEN,)), JOB.grid
+    falls = (store.read_solution(0) == quiet["motion"]) & (proven == WHOLE)
+    t, v = (each[falls] for each in np.meshgrid(grid.time_centres(), grid.velocity_centres()))
+    waiting, o = np.ones(t.size, np.bool_), JOB.oscillator
+    for _ in range(quiet["within"] + 1):
+        turn = 2.0 * np.pi * t
+        felt = 4.0 * np.pi * o.damping - 2.0 * np.pi * o.eccentricity * (
+            2.0 * np.pi * np.cos(turn) + o.damping * np.sin(turn)
+        )
+        waiting &= ~(v**3 < quiet["level"] * felt)
+        t[waiting], v[waiting], *_ = next_impacts(o, t[waiting], v[waiting])
+    assert t.size > 10 and not waiting.any()
+
+
 def test_a_damaged_store_of_the_first_edition_is_mended_to_one_of_this(store, tmp_path):
     """It had no `never_quiet`: what it lacks is made, and its lattice grows anew."""
     old = tmp_path / "old.zarr"
@@ -121,7 +140,10 @@ def test_a_damaged_store_of_the_first_edition_is_mended_to_one_of_this(store, tm
 
 def test_what_the_lattice_grew_from_is_gone(store):
     assert list(store._group["proof"].group_keys()) == []
-    assert sorted(store._group["proof"].array_keys()) == ["ends", "never_quiet", "rattling", "rounds"]
+    assert sorted(store._group["proof"].array_keys()) == [
+        *_EVER,
+        *(_OF_WINDOWS if proof_of(store).certificate["windows"] else ()),
+    ]
 
 
 @pytest.mark.parametrize(

@@ -111,6 +111,14 @@ def test_a_disc_as_wide_as_a_period_is_refused():
     assert failure.contradicted and "as wide as a period" in failure.why
 
 
+@pytest.mark.parametrize(("within", "found"), [(16, []), (15, ["counts"])])
+def test_motions_that_are_said_to_be_quiet_too_soon_are_found(within, found):
+    """A box that falls quiet has round 1: four impacts after the twelve of a cell."""
+    told = certificate() | {"impacts": {"cell": 12, "trail": 4}}
+    told["quiet"]["within"] = within
+    assert places(subject(told)) == found
+
+
 def test_a_share_that_never_falls_quiet_and_is_not_that_of_the_cells_is_found():
     told = certificate()
     told["never_quiet"] = 0.6
