@@ -15,8 +15,11 @@ from rattle_kernels import (
     continue_orbit,
     find_orbits,
     graze_kind,
+    grazing_velocity,
+    next_impacts,
     orbit_beyond_graze,
 )
+from rattle_kernels.orbits.closure import OrbitShape, closure
 from tests.rattle_kernels.orbits.grazes import BETWEEN, exponent_of_the_map, graze_of_single_contact
 
 
@@ -125,6 +128,81 @@ def test_chaos_begins_at_once_as_the_leading_terms_say(distance):
     assert exponent > 0.0
     assert there.exponent == pytest.approx(exponent, rel=left_out)
     assert there.impacts == pytest.approx(impacts, rel=left_out)
+
+
+def least_stretch(kind, depth):
+    """By how much each return to -beta stretches at least, by leading terms, and the widest cone (theory, Grazes)."""
+    slower, faster = sorted(kind.multipliers.real)
+    part, push = kind.monodromy[0, 1] / (faster - slower), 1.0 + kind.restitution
+    widest, beside = 2.0 * slower / (faster - slower), slower / (faster - slower)
+    steep = part * push * math.sqrt(kind.acceleration / (2.0 * (1.0 - faster) * depth))
+    assert kind.monodromy[0, 1] * push * math.sqrt(2.0 * kind.acceleration) >= faster * math.sqrt((1 - faster) * depth)
+    assert (1.0 - slower / faster) * (steep - widest) >= 2.0
+    # Beyond so many turns both powers are nothing beside 1.
+    n = np.arange(1.0, 2000.0)
+    soon = (faster**n - slower**n) * (steep - widest) - faster**n
+    late = (faster - faster**n * (1.0 + beside)) / (2.0 * (1.0 - faster)) - faster**n * (1.0 + widest)
+    return float(np.maximum(soon, late).min()), widest
+
+
+@pytest.mark.parametrize(("distance", "told"), [(3e-7, 4.17), (3e-6, 3.66), (3e-5, 2.41), (1e-4, 1.65)])
+def test_each_return_stretches_by_leading_terms(distance, told):
+    """From anywhere in the region that is never left, along both edges of the cone."""
+    kind = graze_kind(graze_of_single_contact(BETWEEN))
+    depth, push = kind.rate * distance, 1.0 + kind.restitution
+    least, widest = least_stretch(kind, depth)
+    assert told < least < told + 0.01
+    multipliers, vectors = np.linalg.eig(kind.monodromy)
+    vectors /= vectors[0]
+    slower, faster = sorted(multipliers.real)
+    slow, fast = np.argmax(multipliers.real), np.argmin(multipliers.real)
+    random = np.random.default_rng(0)
+    returns = []
+    for _ in range(200):
+        # Heights from the lowest to where the flight misses, and as far along the other direction as the region goes.
+        x = -(random.uniform(0.0, 1.0) ** 4) * (1.0 - faster) * depth
+        along = (x + depth) / (1.0 - random.uniform(0.0, 1.0) * slower / faster)
+        place = np.empty(2)
+        place[slow], place[fast] = along, x + depth - along
+        place = vectors @ place
+        for cone in (0.0, widest):
+            z, tangent = place.copy(), vectors[:, slow] * (1.0 + cone) - vectors[:, fast] * cone
+            while True:
+                if z[0] < depth:
+                    u = math.sqrt(2.0 * kind.acceleration * (depth - z[0]))
+                    z[1] += push * u
+                    tangent[1] -= push * kind.acceleration / u * tangent[0]
+                z, tangent = kind.monodromy @ z, kind.monodromy @ tangent
+                assert z[0] >= faster * depth * (1.0 - 1e-9)
+                if z[0] < depth:
+                    break
+            returns.append(abs(tangent[0]))
+            turned = -np.linalg.solve(vectors, tangent)[fast] / tangent[0]
+            assert 0.0 <= turned <= widest
+    assert min(returns) >= least
+
+
+@pytest.mark.parametrize("distance", [3e-6, 1e-3])
+def test_each_return_of_the_map_itself_stretches(distance):
+    """The change of the height of the lowest point, from one flight that meets -beta to the next."""
+    point = graze_of_single_contact(BETWEEN)
+    oscillator = point.oscillator.at(damping=point.value - distance)
+    t, v = float(point.t[0]), float(point.v[0])
+    along, logarithm, before, stretches = np.array([1.0, 0.3]), 0.0, None, []
+    for n in range(4000):
+        off = v - grazing_velocity(oscillator, t)
+        bend = (grazing_velocity(oscillator, t + 1e-6) - grazing_velocity(oscillator, t - 1e-6)) / 2e-6
+        if off > 0.0 and n > 500:
+            there = logarithm + math.log(abs(along[1] - bend * along[0]))
+            if before is not None:
+                stretches.append(there - before)
+            before = there
+        along = closure(oscillator, "damping", OrbitShape(1, 1), t, v).jacobian @ along
+        length = np.linalg.norm(along)
+        along, logarithm = along / length, logarithm + math.log(length)
+        landed = next_impacts(oscillator, t, v)
+        t, v = float(landed.t), float(landed.v)
+    assert len(stretches) > 50 and min(stretches) > 0.0
 
 
 def test_its_size_grows_like_the_root_of_the_distance():
