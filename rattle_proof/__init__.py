@@ -1,12 +1,13 @@
-"""Proofs beside `rattle`: of each cell of a basin, that every departure in it ends as it is coloured; and of chaos.
+"""Proofs beside `rattle`: of each cell of a basin, that every departure in it ends as it is coloured; and of motions.
 
 `enclosures` has the mathematics, `verification` proves again what a store claims, by other means. `chaos` has what is
-proven of chaotic motions.
+proven of chaotic motions, `stiffness` what is proven of the piecewise linear model.
 
 Floors, the highest first; each imports from lower ones alone ::
 
     command
-    verifying | proving_chaos | addition
+    verifying | proving_chaos | proving_orbits | addition
+    stiffness
     verification | chaos
     arguments | page | results | routes | run | unproven
     tasks
@@ -35,3 +36,10 @@ CHAOS = (
     ),
 )
 """``rattle prove-chaos``: the entry point `prove-chaos` of `rattle.commands` names it."""
+
+ORBITS = (
+    "rattle_proof.command:prove_orbits",
+    "Prove that motions of finite stiffness attract: permanent contact and periodic orbits.",
+    ("rattle prove-orbits --stiffness 1e5", "rattle prove-orbits --stiffness 1e4 --contact-damping 0.1 --json"),
+)
+"""``rattle prove-orbits``: the entry point `prove-orbits` of `rattle.commands` names it."""

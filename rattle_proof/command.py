@@ -11,6 +11,7 @@ from rich.table import Table
 from rattle.cli.console import announced_compiling, give_up, out, progress_line
 from rattle_kernels import Oscillator, OutsideDomain
 from rattle_proof.proving_chaos import prove_chaos as chaos_proven
+from rattle_proof.proving_orbits import prove_orbits as orbits_proven
 from rattle_proof.verification.verdict import Verification
 from rattle_proof.verifying import verify as prove_again
 from worker.errors import WorkerError
@@ -74,6 +75,32 @@ def prove_chaos(
                 seed=seed,
             )  # fmt: skip
     except (WorkerError, OutsideDomain) as error:
+        give_up(str(error), 2)
+    if as_json:
+        typer.echo(json.dumps(found.to_dict(), indent=2))
+    _line(str(found))
+
+
+def prove_orbits(
+    machine: Annotated[
+        Path | None, typer.Argument(help="TOML file of a machine in its own units; without it, these numbers")
+    ] = None,
+    damping: Annotated[float, typer.Option(help="delta")] = 0.6,
+    eccentricity: Annotated[float, typer.Option(help="epsilon")] = 0.1,
+    half_backlash: Annotated[float, typer.Option(help="beta")] = 0.6,
+    stiffness: Annotated[float, typer.Option(help="kappa")] = 1e4,
+    contact_damping: Annotated[float, typer.Option(help="zeta")] = 0.0,
+    departures: Annotated[int, typer.Option(help="Random departures from which motions are sought")] = 400,
+    seed: Annotated[int, typer.Option(min=0, help="Of these")] = 0,
+    as_json: Annotated[bool, typer.Option("--json", help="Print what is found as JSON alone")] = False,
+) -> None:
+    """Prove that motions of finite stiffness attract: permanent contact and periodic orbits."""
+    out.quiet |= as_json
+    numbers = Oscillator(damping, eccentricity, half_backlash, stiffness, contact_damping=contact_damping)
+    try:
+        with announced_compiling():
+            found = orbits_proven(machine or numbers, departures=departures, seed=seed)
+    except (WorkerError, OutsideDomain, ImportError) as error:
         give_up(str(error), 2)
     if as_json:
         typer.echo(json.dumps(found.to_dict(), indent=2))

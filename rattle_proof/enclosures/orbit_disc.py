@@ -170,8 +170,21 @@ def disc_rows(discs: dict[int, OrbitDisc]) -> np.ndarray:
     return np.array(rows).reshape(-1, 8)
 
 
-def _eigenframe(orbit: PeriodicOrbit, place: int, speed: float) -> np.ndarray:
-    """Rows in which DP^p at a departure of the orbit is a rotation that shrinks, or diagonal."""
+def eigenframe(orbit: PeriodicOrbit, place: int, speed: float) -> np.ndarray:
+    """Rows in which DP^p at a departure of the orbit is a rotation that shrinks, or diagonal.
+
+    Parameters
+    ----------
+    orbit : PeriodicOrbit
+    place : int
+        Of the departure.
+    speed : float
+        That counts as much as a period.
+
+    Returns
+    -------
+    ndarray, shape (2, 2)
+    """
     values, vectors = np.linalg.eig(orbit.jacobians[place])
     rows = np.linalg.inv(vectors)
     if values[0].imag != 0.0:
@@ -220,7 +233,7 @@ def orbit_disc(
         return None
     best = None
     for place in range(orbit.upper_contacts):
-        frame = _eigenframe(orbit, place, speed)
+        frame = eigenframe(orbit, place, speed)
         disc = OrbitDisc(orbit.upper_contacts, float(orbit.t[place]), float(orbit.v[place]), frame, 0.0)
         disc = disc._replace(radius=_largest_radius(machine, oscillator, disc, pause))
         if best is None or disc.radius > best.radius:

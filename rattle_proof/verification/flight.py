@@ -10,7 +10,7 @@ that root lies in N.
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import NamedTuple, Protocol, TypeVar
 
 from flint import arb
 
@@ -54,13 +54,14 @@ class Departures(NamedTuple):
 
 
 class Arrivals(NamedTuple):
-    """The middle's arrival, that of all, and the derivative over the box."""
+    """The middle's arrival, that of all, the derivative over the box, and how long any of them takes."""
 
     t: arb
     w: arb
     all_t: arb
     all_w: arb
     slope: Slope
+    tau: arb
 
 
 class Turn(NamedTuple):
@@ -68,6 +69,22 @@ class Turn(NamedTuple):
 
     t: arb
     height: arb
+
+
+class Motion(Protocol):
+    """What motions from one ball of departures have in common, by the time since."""
+
+    def height(self, tau: arb) -> arb:
+        """Displacement from where they began."""
+
+    def velocity(self, tau: arb) -> arb:
+        """Its rate."""
+
+    def height_slopes(self, tau: arb) -> tuple[arb, arb]:
+        """Derivatives of the displacement at a given tau by departure time and velocity."""
+
+    def arrival_slope(self, tau: arb, velocity: arb) -> Slope:
+        """Derivative of (time, velocity) at a given displacement by the departure."""
 
 
 class Flight:
@@ -116,12 +133,21 @@ class Flight:
         return Slope(s_t, s_w, bend * s_t - left * (self.felt - self.machine.damping * self.w), bend * s_w + left)
 
 
-Function = Callable[[Flight, arb], arb]
+Some = TypeVar("Some", bound=Motion)
+Function = Callable[[Some, arb], arb]
+
+
+def _velocity(motion: Motion, tau: arb) -> arb:
+    return motion.velocity(tau)
+
+
+def _height_slopes(motion: Motion, tau: arb) -> tuple[arb, arb]:
+    return motion.height_slopes(tau)
 
 
 def _root(
-    start: Flight, wide: Flight, offset: tuple[arb, arb], guess: arb,
-    value: Function, slopes: Callable[[Flight, arb], tuple[arb, arb]], rate: Function,
+    start: Some, wide: Some, offset: tuple[arb, arb], guess: arb,
+    value: Function[Some], slopes: Callable[[Some, arb], tuple[arb, arb]], rate: Function[Some],
 ) -> arb | None:  # fmt: skip
     """The root of a function of the duration, for all departures; None where it cannot be enclosed."""
     by_t, by_w = slopes(wide, guess)
@@ -139,23 +165,26 @@ def _root(
     return None
 
 
-def _middle_root(start: Flight, guess: float, value: Function, rate: Function) -> arb | None:
+def _middle_root(start: Some, guess: float, value: Function[Some], rate: Function[Some]) -> arb | None:
     """The root for the middle, as sharp as the digits allow."""
     at, best = arb(guess), None
     for _ in range(_PASSES):
-        found = _root(start, start, (arb(0), arb(0)), at, value, lambda flight, tau: (arb(0), arb(0)), rate)
+        found = _root(start, start, (arb(0), arb(0)), at, value, lambda motion, tau: (arb(0), arb(0)), rate)
         if found is None or (best is not None and found.rad() > best.rad() / 4):
             break
         at, best = found.mid(), found
     return found if best is None else best
 
 
-def arrive(machine: Machine, box: Departures, height: arb, guess: float, upwards: bool) -> Arrivals | None:
+def arrive(
+    motion: Callable[[arb, arb], Motion], box: Departures, height: arb, guess: float, upwards: bool
+) -> Arrivals | None:
     """Enclose the arrivals of a box at a height over the wall that it left.
 
     Parameters
     ----------
-    machine : Machine
+    motion : callable
+        The motions from balls of times and velocities.
     box : Departures
     height : arb
     guess : float
@@ -168,16 +197,16 @@ def arrive(machine: Machine, box: Departures, height: arb, guess: float, upwards
     Arrivals or None
         None where nothing is proven.
     """
-    start, wide = Flight(machine, box.t, box.w), Flight(machine, box.all_t, box.all_w)
+    start, wide = motion(box.t, box.w), motion(box.all_t, box.all_w)
 
-    def value(flight: Flight, tau: arb) -> arb:
-        return flight.height(tau) - height
+    def value(motion: Motion, tau: arb) -> arb:
+        return motion.height(tau) - height
 
-    middle = _middle_root(start, guess, value, Flight.velocity)
+    middle = _middle_root(start, guess, value, _velocity)
     if middle is None:
         return None
     offset = box.all_t - box.t, box.all_w - box.w
-    tau = _root(start, wide, offset, middle.mid(), value, Flight.height_slopes, Flight.velocity)
+    tau = _root(start, wide, offset, middle.mid(), value, _height_slopes, _velocity)
     if tau is None:
         return None
     velocity = wide.velocity(tau)
@@ -186,7 +215,7 @@ def arrive(machine: Machine, box: Departures, height: arb, guess: float, upwards
     slope = wide.arrival_slope(tau, velocity)
     later, faster = slope.of(*offset)
     t, w = box.t + middle, start.velocity(middle)
-    return Arrivals(t, w, within(t + later, box.all_t + tau), within(w + faster, velocity), slope)
+    return Arrivals(t, w, within(t + later, box.all_t + tau), within(w + faster, velocity), slope, tau)
 
 
 def turning(machine: Machine, box: Departures, guess: float) -> Turn | None:

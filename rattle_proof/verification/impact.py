@@ -6,11 +6,12 @@ a root of y = -2 beta with y' < 0 is the first, and that of y = 2 beta upwards i
 """
 
 from enum import Enum
+from functools import partial
 from typing import NamedTuple
 
 from flint import arb
 
-from rattle_proof.verification.flight import Arrivals, Departures, Slope, Turn, arrive, turning
+from rattle_proof.verification.flight import Arrivals, Departures, Flight, Slope, Turn, arrive, turning
 from rattle_proof.verification.machine import Machine, ball
 from rattle_proof.verification.rough import Rough
 
@@ -79,7 +80,7 @@ def _after(machine: Machine, way: Way, arrivals: Arrivals, before: Slope | None 
 
 
 def _return(machine: Machine, box: Departures, rough: Rough, turn: float) -> Image | None:
-    arrivals = arrive(machine, box, arb(0), rough.reach(0.0, turn, turn), upwards=True)
+    arrivals = arrive(partial(Flight, machine), box, arb(0), rough.reach(0.0, turn, turn), upwards=True)
     return None if arrivals is None else _after(machine, Way.CLEAR, arrivals)
 
 
@@ -88,14 +89,14 @@ def _rise(machine: Machine, box: Departures) -> Arrivals | None:
     gap = float(machine.gap.mid())
     rough = Rough(machine, box.t, box.w)
     guess = rough.reach(gap, 0.0, rough.scale + gap)
-    return arrive(machine, box, machine.gap, guess, upwards=True)
+    return arrive(partial(Flight, machine), box, machine.gap, guess, upwards=True)
 
 
 def _by_way_of_lower(machine: Machine, box: Departures, rough: Rough, turn: float) -> Image | None:
     gap = float(machine.gap.mid())
     if rough.height(turn) >= -gap:
         return None
-    fall = arrive(machine, box, -machine.gap, rough.fall(-gap, turn), upwards=False)
+    fall = arrive(partial(Flight, machine), box, -machine.gap, rough.fall(-gap, turn), upwards=False)
     if fall is None:
         return None
     kept = -machine.restitution

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 from flint import arb
 
+from rattle_proof.verification.flight import Slope
 from rattle_proof.verification.impact import Image, image
 from rattle_proof.verification.machine import UNIT, Machine, within
 
@@ -61,12 +62,17 @@ def advance(machine: Machine, moving: Moving) -> tuple[Moving, Image] | None:
         return None
     if mapped.slope is None:
         return _without_turns(box(mapped.all_t, mapped.all_v)), mapped
+    return carried(moving, mapped, mapped.slope), mapped
+
+
+def carried(moving: Moving, mapped: Image, slope: Slope) -> Moving:
+    """Image of a set, by the slope over it, whole periods aside."""
     t, v = mapped.t.mid(), mapped.v.mid()
-    sides, rest = [], mapped.slope.of(moving.rest_t, moving.rest_v)
+    sides, rest = [], slope.of(moving.rest_t, moving.rest_v)
     rest_t, rest_v = rest[0] + (mapped.t - t), rest[1] + (mapped.v - v)
     all_t, all_v = t, v
     for side in moving.sides:
-        moved_t, moved_v = mapped.slope.of(*side)
+        moved_t, moved_v = slope.of(*side)
         side_t, side_v = moved_t.mid(), moved_v.mid()
         rest_t += (moved_t - side_t) * UNIT
         rest_v += (moved_v - side_v) * UNIT
@@ -74,7 +80,7 @@ def advance(machine: Machine, moving: Moving) -> tuple[Moving, Image] | None:
         sides.append((side_t, side_v))
     # The middle belongs to it: slopes of the next image are taken between the middle and all else.
     all_t, all_v = within(all_t + rest_t, mapped.all_t).union(t), within(all_v + rest_v, mapped.all_v).union(v)
-    return _without_turns(Moving(t, v, (sides[0], sides[1]), rest_t, rest_v, all_t, all_v)), mapped
+    return _without_turns(Moving(t, v, (sides[0], sides[1]), rest_t, rest_v, all_t, all_v))
 
 
 def _without_turns(moving: Moving) -> Moving:

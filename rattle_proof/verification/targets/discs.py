@@ -28,8 +28,8 @@ def try_disc(claims: Claims, number: int) -> Failure | None:
 
 def _disc(machine: Machine, disc: Disc) -> Failure | None:
     place = f"{disc.impacts} impacts, around t = {disc.t!r}, v = {disc.v!r}, radius {disc.radius:.6g}"
-    inverse, radius = _inverse(disc), arb(disc.radius)
-    dt, dv = (radius * _length(*row).upper() for row in ((inverse.tt, inverse.tv), (inverse.vt, inverse.vv)))
+    inverse, radius = inverse_of(disc), arb(disc.radius)
+    dt, dv = (radius * length(*row).upper() for row in ((inverse.tt, inverse.tv), (inverse.vt, inverse.vv)))
     if not 2 * dt < 1:
         return contradicted(place, "it is as wide as a period")
     return _of_part(machine, disc, inverse, arb(disc.t) + dt * UNIT, arb(disc.v) + dv * UNIT, _DEPTH, place)
@@ -37,13 +37,13 @@ def _disc(machine: Machine, disc: Disc) -> Failure | None:
 
 def _of_part(machine: Machine, disc: Disc, inverse: Slope, t: arb, v: arb, depth: int, place: str) -> Failure | None:
     """Whether P^p maps the part of a disc in a box into the disc, with |DP^p| < 1."""
-    if _length(*in_frame(disc, t - arb(disc.t), v - arb(disc.v))) >= disc.radius:
+    if length(*in_frame(disc, t - arb(disc.t), v - arb(disc.v))) >= disc.radius:
         return None
     after = _after(machine, disc, box(t, v))
     if after is not None:
         moving, slope = after
         (a, b), (c, d) = disc.frame
-        norm = _norm(Slope(arb(a), arb(b), arb(c), arb(d)).times(slope).times(inverse))
+        norm = norm_of(Slope(arb(a), arb(b), arb(c), arb(d)).times(slope).times(inverse))
         if norm < 1 and in_disc(disc, moving):
             return None
         if norm >= 1:
@@ -69,17 +69,19 @@ def _after(machine: Machine, disc: Disc, moving: Moving) -> tuple[Moving, Slope]
     return moving, slope
 
 
-def _inverse(disc: Disc) -> Slope:
+def inverse_of(disc: Disc) -> Slope:
+    """The inverse of a disc's frame."""
     (a, b), (c, d) = ((arb(each) for each in row) for row in disc.frame)
     size = a * d - b * c
     return Slope(d / size, -b / size, -c / size, a / size)
 
 
-def _length(x: arb, y: arb) -> arb:
+def length(x: arb, y: arb) -> arb:
+    """Of a difference in a disc's coordinates."""
     return (x * x + y * y).sqrt()
 
 
-def _norm(m: Slope) -> arb:
+def norm_of(m: Slope) -> arb:
     """The larger singular value."""
     squares = m.tt * m.tt + m.tv * m.tv + m.vt * m.vt + m.vv * m.vv
     determinant = m.tt * m.vv - m.tv * m.vt
