@@ -38,7 +38,7 @@ def permanent_contact(machine: StiffMachine) -> PermanentContact:
         phases = ball(begin, end)
         middle = phases.mid()
         if not machine.slow_part(middle)[0] > 0:
-            raise NotProven("permanent contact does not exist (Eq. 3), or nearly so")
+            raise NotProven("it does not exist (Eq. 3), or nearly so")
         # In the mean value form.
         lowest = (machine.slow_part(middle)[0] + machine.slow_part(phases)[1] * (phases - middle)).lower()
         if lowest > 0:
@@ -46,7 +46,7 @@ def permanent_contact(machine: StiffMachine) -> PermanentContact:
         elif halvings < _HALVINGS:
             waiting += [(begin, middle, halvings + 1), (middle, end, halvings + 1)]
         else:
-            raise NotProven("permanent contact comes too near to the wall")
+            raise NotProven("it comes too near to the wall")
     return PermanentContact(_below(least), _below(least * machine.frequency), _below(machine.drag / 2))
 
 
