@@ -19,6 +19,7 @@ _LOW, _MOVING, _LATTICE, _TARGETS, _CELLS, _TURNS = (
     f"test_{each}.py" for each in ("low_bounces", "moving_sets", "lattice", "targets", "cells", "turning_points")
 )
 _LEAVES, _ENTROPY, _CHAOS = (f"../chaos/test_{each}.py" for each in ("leaves", "entropy", "impact_map"))
+_STIFF, _DISCS = (f"../stiffness/test_{each}.py" for each in ("images", "discs"))
 _CONDITIONS, _NEVER, _WINDOWS = "test_target_conditions.py", "test_never_quiet.py", "test_windows.py"
 _FAULTS = [
     (_WINDOWS, "windows.py",
@@ -324,6 +325,60 @@ _FAULTS = [
     (_CHAOS, "../chaos/cycles.py",
      "return not (apart_v or",
      "return not (not apart_v or"),
+    (_STIFF, "../stiffness/contact.py",
+     "or (stop == last and rate < 0)",
+     "or rate < 0"),
+    (_STIFF, "../stiffness/contact.py",
+     "contact.height(piece) > 0",
+     "contact.height(piece).mid() > 0"),
+    (_STIFF, "../stiffness/contact.py",
+     " + machine.square * pulse * self.w",
+     ""),
+    (_STIFF, "../stiffness/contact.py",
+     "return sign * value, sign * rate, sign * bend",
+     "return value, rate, bend"),
+    (_STIFF, "../stiffness/contact.py",
+     "acb(self.square - rate * rate, self.drag * rate)",
+     "acb(self.square - rate * rate, self.freeplay.damping * rate)"),
+    (_STIFF, "../stiffness/contact.py",
+     "return rate - self.rate * kept - self.bend * pulse, pulse",
+     "return arb(0), arb(0)"),
+    (_STIFF, "../stiffness/impact_map.py",
+     "if turn.height > -freeplay.gap:",
+     "if turn.height.upper() > -freeplay.gap:"),
+    (_STIFF, "../stiffness/impact_map.py",
+     "if not lasts(",
+     "if False and not lasts("),
+    (_STIFF, "../stiffness/impact_map.py",
+     "Slope(slope.tt, -slope.tv, -slope.vt, slope.vv)",
+     "Slope(slope.tt, slope.tv, slope.vt, slope.vv)"),
+    (_STIFF, "../stiffness/impact_map.py",
+     "lower.all_t, -lower.all_w)",
+     "lower.all_t, -lower.w)"),
+    (_STIFF, "../stiffness/impact_map.py",
+     "slowest.min(rise.all_w.abs_lower()).min(upper.all_w.abs_lower())",
+     "slowest"),
+    (_DISCS, "../stiffness/orbit_disc.py",
+     "/ (1 - contraction)",
+     ""),
+    (_DISCS, "../stiffness/orbit_disc.py",
+     "if not factor < 1:",
+     "if not factor < 9:"),
+    (_DISCS, "../stiffness/orbit_disc.py",
+     "if not apart < radius:",
+     "if not apart < 9:"),
+    (_DISCS, "../stiffness/orbit_disc.py",
+     "length(inverse.tt, inverse.tv) < 1",
+     "length(inverse.tt, inverse.tv) < 9"),
+    (_DISCS, "../stiffness/orbit_disc.py",
+     ".times(slope).times(inverse)",
+     ".times(slope)"),
+    (_DISCS, "../stiffness/permanent_contact.py",
+     " + machine.slow_part(phases)[1] * (phases - middle)",
+     ""),
+    (_DISCS, "../stiffness/permanent_contact.py",
+     "_below(machine.drag / 2)",
+     "_below(machine.drag)"),
 ]  # fmt: skip
 
 
@@ -334,9 +389,11 @@ def compiled(tmp_path_factory):
 
 @pytest.mark.parametrize(("tests", "file", "right", "wrong"), _FAULTS)
 def test_a_fault_is_caught(tmp_path, compiled, tests, file, right, wrong):
-    for folder in ("rattle_proof", "tests/rattle_proof/enclosures", "tests/rattle_proof/chaos"):
+    tests_of_proofs = (f"tests/rattle_proof/{each}" for each in ("enclosures", "chaos", "stiffness"))
+    for folder in ("rattle_proof", *tests_of_proofs, "tests/rattle_kernels/data"):
         shutil.copytree(_ROOT / folder, tmp_path / folder, ignore=shutil.ignore_patterns("__pycache__"))
-    for each in ("pyproject.toml", "tests/__init__.py", "tests/rattle_proof/__init__.py"):
+    packages = (f"tests/{each}__init__.py" for each in ("", "rattle_proof/", "rattle_kernels/"))
+    for each in ("pyproject.toml", *packages, "tests/rattle_kernels/reference.py"):
         shutil.copy(_ROOT / each, tmp_path / each)
     faulty = tmp_path / "rattle_proof" / "enclosures" / file
     text = faulty.read_text()
@@ -344,7 +401,7 @@ def test_a_fault_is_caught(tmp_path, compiled, tests, file, right, wrong):
     faulty.write_text(text.replace(right, wrong, 1))
     options = ["-q", "-x", "-p", "no:cacheprovider", "--timeout", "800"]
     command = [sys.executable, "-m", "pytest", *options, f"tests/rattle_proof/enclosures/{tests}"]
-    plain = "0" if tests in (_TARGETS, _CELLS, _CHAOS, _WINDOWS) else "1"
+    plain = "0" if tests in (_TARGETS, _CELLS, _CHAOS, _WINDOWS, _STIFF, _DISCS) else "1"
     environment = {
         **{name: value for name, value in os.environ.items() if name != "PYTEST_ADDOPTS"},
         "NUMBA_DISABLE_JIT": plain,

@@ -126,3 +126,15 @@ def test_what_meets_the_grazing_curve_or_reaches_no_speed_is_refused():
         passage(machine, arb(0.6), v, arb(0.6) + arb(0, 1e-3), v + arb(0, 1e-3))
     with pytest.raises(NotProven, match="no speed"):
         passage(machine, arb(0.6), arb(0.1), arb(0.6), arb(0.1) + arb(0, 0.2))
+
+
+def test_a_later_root_is_not_taken_for_the_end_of_a_contact(monkeypatch):
+    machine = StiffMachine(Oscillator(0.6, 0.1, 0.6, stiffness=100.0))
+
+    def second_end(contact):
+        return first_end(contact) + 2.0 * np.pi / float(machine.frequency)
+
+    of_point(machine, 0.1, 3.2)
+    monkeypatch.setattr("rattle_proof.stiffness.impact_map.first_end", second_end)
+    with pytest.raises(NotProven, match="early"):
+        of_point(machine, 0.1, 3.2)
