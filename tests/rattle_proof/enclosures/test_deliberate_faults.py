@@ -327,7 +327,7 @@ _FAULTS = [
      "return not (not apart_v or"),
     (_STIFF, "../stiffness/contact.py",
      "or (stop == last and rate < 0)",
-     "or rate < 0"),
+     "or stop == last"),
     (_STIFF, "../stiffness/contact.py",
      "contact.height(piece) > 0",
      "contact.height(piece).mid() > 0"),

@@ -90,16 +90,15 @@ def test_a_disc_about_a_saddle_or_off_its_orbit_or_over_the_graze_is_not_proven(
 
 
 def test_the_periodic_point_is_as_near_as_is_said():
-    # Its multipliers are real, 0.69 the greater one: a turn moves a point beside it less far than it lies apart.
-    oscillator = FIG_6.at(stiffness=1e3)
-    orbit = orbit_of(oscillator, 3, 0.706586397793772, 4.805169750458536)
-    assert np.isreal(orbit.multipliers).all()
-    along = np.linalg.solve(np.array(frame_of(orbit, oscillator)), np.eye(2))
-    for dt, dv in 1e-7 * along.T:
+    # Its multipliers are positive: a turn moves a point beside it less far than it lies apart.
+    orbit = orbit_of(FIG_6, 6, 0.6186371939363671, 4.500793492384444)
+    assert np.isreal(orbit.multipliers).all() and (orbit.multipliers.real > 0.0).all()
+    along = np.linalg.solve(np.array(frame_of(orbit, FIG_6)), np.eye(2))
+    for dt, dv in 1e-8 * along.T:
         t, v = float(orbit.t[0] + dt), float(orbit.v[0] + dv)
-        beside = Disc(0, 3, t, v, frame_of(orbit, oscillator), 1e-5)
-        found = prove_disc(StiffMachine(oscillator), beside)
-        assert off(beside, orbit.t[0], orbit.v[0]) <= found.apart < 1e-5
+        beside = Disc(0, 6, t, v, frame_of(orbit, FIG_6), 1e-6)
+        found = prove_disc(StiffMachine(FIG_6), beside)
+        assert off(beside, orbit.t[0], orbit.v[0]) <= found.apart < 1e-6
 
 
 def test_a_disc_needs_the_norm_of_its_own_frame():

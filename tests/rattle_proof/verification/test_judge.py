@@ -84,8 +84,8 @@ def test_slopes_multiply_turn_back_and_have_the_norm_of_matrices():
         slopes = [Slope(*(arb(each) for each in matrix.ravel())) for matrix in (one, other)]
         product = [float(each) for each in slopes[0].times(slopes[1])]
         assert product == pytest.approx((one @ other).ravel().tolist(), rel=1e-12, abs=1e-12)
-        assert float(discs._norm(slopes[0])) == pytest.approx(np.linalg.norm(one, 2), rel=1e-12)
-        inverse = discs._inverse(Disc(1, 1, 0.5, 4.0, tuple(map(tuple, one.tolist())), 0.1))
+        assert float(discs.norm_of(slopes[0])) == pytest.approx(np.linalg.norm(one, 2), rel=1e-12)
+        inverse = discs.inverse_of(Disc(1, 1, 0.5, 4.0, tuple(map(tuple, one.tolist())), 0.1))
         assert [float(each) for each in inverse] == pytest.approx(np.linalg.inv(one).ravel().tolist(), rel=1e-9)
 
 
