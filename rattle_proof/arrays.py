@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from rattle_kernels.basins.tiles import Tile
-from rattle_proof.certificate import places_of
 from rattle_proof.enclosures.cells import ProvenCells
 from rattle_proof.enclosures.growth import IMPACTS, NUMBERS
 from rattle_proof.enclosures.lattice import UNPROVEN
@@ -187,11 +186,8 @@ class ProofArrays:
         """Read which boxes belong to the set that rattles for ever."""
         return self._whole(RATTLING)
 
-    def read_windows(self) -> Windows:
-        """Read the windows, with what is proven of their boxes."""
-        certificate = self.certificate
-        assert certificate is not None
-        places = places_of(certificate)
+    def read_windows(self, places: np.ndarray) -> Windows:
+        """Read the windows at some places, with what is proven of their boxes."""
         if not len(places):
             return empty_windows(places)
         return Windows(places, self._whole(WINDOW_ENDS), self._whole(WINDOW_ORDER))

@@ -14,7 +14,7 @@ import numpy as np
 
 from rattle_kernels import Attractor
 from rattle_proof.arrays import BOXES_A_PART, proof_of
-from rattle_proof.certificate import targets_of
+from rattle_proof.certificate import places_of, targets_of
 from rattle_proof.enclosures.cells import prove_cells
 from rattle_proof.enclosures.growth import empty_trails, follow_all, grow_all, never_quiet
 from rattle_proof.enclosures.lattice import UNPROVEN, common_ends, refined
@@ -88,7 +88,8 @@ def _known(location: str, digest: str, level: int) -> _Known:
     # Each of these takes tenths of a second of a large lattice.
     stop_if_cancelled()
     proof = proof_of(store)
-    targets = targets_of(certificate, ends, proof.read_rattling(), proof.read_windows(), rattling)
+    windows = proof.read_windows(places_of(certificate))
+    targets = targets_of(certificate, ends, proof.read_rattling(), windows, rattling)
     if 0 < level < LEVELS:
         targets = targets._replace(lattice=refined(targets.lattice))
         stop_if_cancelled()
