@@ -33,11 +33,15 @@ from rattle_kernels.lanes.lane_fields import (
     END_VELOCITY,
     HALF_COSINE,
     HALF_SINE,
+    HIGH_PAIR,
     LANES,
     LAST_TERM,
+    LOW_PAIR,
+    MISS,
     NEAR,
     NEARLY,
     PHI2,
+    RATE,
     RING_COSINE,
     RING_SINE,
     ROW_PART,
@@ -56,6 +60,9 @@ from rattle_kernels.numerics.polynomials import cosine_of_half_turns, second_phi
 
 # The speed at the end is Taylor's polynomial of x' to fourth order, exact to 3e-16 for steps this long.
 _LARGEST_TURN = 2e-3
+# Derivatives at the guess. They lie where the nodes of the guess were, which are not read again.
+_SECOND, _THIRD = LOW_PAIR, LOW_PAIR + LANES
+_FOURTH, _FIFTH = HIGH_PAIR, HIGH_PAIR + LANES
 _NOT_FOUND = Contact(math.nan, math.nan, OUTCOME_NOT_CONVERGED)
 
 
@@ -133,8 +140,17 @@ def refine_contacts(lanes, permanent_after, slow_part):
         x3 = square * (slow1 - x1) + damping * (slow2 - x2) + slow3
         x4 = square * (slow2 - x2) + damping * (slow3 - x3) + slow4
         x5 = square * (slow3 - x3) + damping * (slow4 - x4) + slow5
+        lanes[MISS + i], lanes[RATE + i] = -x, x1
+        lanes[_SECOND + i], lanes[_THIRD + i], lanes[_FOURTH + i], lanes[_FIFTH + i] = x2, x3, x4, x5
+    # A loop of its own, as in `flight.refine_durations`.
+    for i in range(LANES):
+        tau, velocity = lanes[DURATION + i], lanes[END_VELOCITY + i]
+        side = -1.0 if velocity > 0.0 else 1.0
+        miss, x1 = lanes[MISS + i], lanes[RATE + i]
+        x2, x3, x4, x5 = lanes[_SECOND + i], lanes[_THIRD + i], lanes[_FOURTH + i], lanes[_FIFTH + i]
+        fading = 0.5 * damping * tau
         inverse = 1.0 / x1
-        step_, last = fifth_order_step(-x * inverse, x2 * inverse, x3 * inverse, x4 * inverse)
+        step_, last = fifth_order_step(miss * inverse, x2 * inverse, x3 * inverse, x4 * inverse)
         leaving = -(x1 + step_ * (x2 + step_ * (0.5 * x3 + step_ * (x4 * (1.0 / 6.0) + step_ * x5 * (1.0 / 24.0)))))
         # Selects instead of one condition, whose short circuit would be a branch. NaN ends up unsure.
         near = NEARLY if abs(last) <= NEAR * tau else 1.0

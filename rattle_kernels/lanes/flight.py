@@ -227,8 +227,8 @@ def refine_durations(lanes, oscillator):
     evaluate(lanes, oscillator, 0, LANES)
     highest = highest_order(harmonics, 1.0, None)
     for i in range(LANES):
-        tau, w, s0, c0 = lanes[DURATION + i], lanes[VELOCITY + i], lanes[SINE + i], lanes[COSINE + i]
-        x, target, y1 = d * tau, lanes[TARGET + i], lanes[RATE + i]
+        tau, s0, c0 = lanes[DURATION + i], lanes[SINE + i], lanes[COSINE + i]
+        x, y1 = d * tau, lanes[RATE + i]
         ds, dc = lanes[SINE_CHANGE + i], lanes[COSINE_CHANGE + i]
         s, c = s0 + ds, c0 + dc
         inverse = 1.0 / y1
@@ -242,6 +242,13 @@ def refine_durations(lanes, oscillator):
         unsure = unsure if abs(last) <= LAST_TERM * tau else doubtful
         unsure = unsure if abs(step_) * highest <= _LARGEST_STEP else doubtful
         lanes[UNSURE + i] = unsure if x <= 1.0 else 1.0
+        lanes[MISS + i] = step_
+    # A loop of its own: in one, so few iterations fit the processor's window that it waits for their chain.
+    for i in range(LANES):
+        tau, w, s0, c0 = lanes[DURATION + i], lanes[VELOCITY + i], lanes[SINE + i], lanes[COSINE + i]
+        target, step_ = lanes[TARGET + i], lanes[MISS + i]
+        ds, dc = lanes[SINE_CHANGE + i], lanes[COSINE_CHANGE + i]
+        s, c = s0 + ds, c0 + dc
         # The step turns the phase by a small angle; its sine and cosine to rounding for |step| <= 4e-3.
         angle = TWO_PI * step_
         z = angle * angle
