@@ -132,6 +132,8 @@ def test_a_hundred_million_cells_through_the_store(benchmark, tmp_path):
     location = str(tmp_path / "large.zarr")
     store = BasinStore.create_or_resume(location, job)
     seconds = {}
+    # Tests before this one, which hold all images, are no part of the driver: its peak counts from here.
+    Path("/proc/self/clear_refs").write_text("5")
 
     def whole(client):
         def run(function, numbers):

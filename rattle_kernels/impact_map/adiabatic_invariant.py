@@ -30,7 +30,7 @@ from rattle_kernels.impact_map.chatter import (
     ringing_radian,
 )
 from rattle_kernels.impact_map.sticking import sticking_bound
-from rattle_kernels.model.flight import FOUR_PI, acceleration_range, rest_acceleration
+from rattle_kernels.model.flight import FOUR_PI, range_at_rest, rest_acceleration
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import OUTCOME_PERMANENT_CONTACT, OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import kernel
@@ -150,7 +150,7 @@ def _bound_below(oscillator: Oscillator, size: float) -> float:
 def _raise_bound(oscillator: Oscillator, bound: float) -> float:
     """The larger of a safe bound by J and the one by L."""
     gravity = FOUR_PI * oscillator.damping
-    least, greatest = acceleration_range(oscillator)
+    least, greatest = range_at_rest(oscillator)
     # Without a region safe by J there is nothing below that of L.
     if bound == 0.0 or greatest - least > _LARGEST_SWING * (greatest + least):
         return bound

@@ -40,7 +40,7 @@ from rattle_kernels.manifolds.polyline import (
 )
 from rattle_kernels.model.arcs import arcs_of
 from rattle_kernels.model.domain import check_invertible
-from rattle_kernels.model.flight import acceleration_range
+from rattle_kernels.model.flight import range_at_rest
 from rattle_kernels.model.grazing_curve import largest_grazing_speed
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outside_domain import OutsideDomain
@@ -118,7 +118,7 @@ def speed_of_no_return(oscillator: Oscillator) -> float:
     energy than the forcing can remove, ``delta Phi'^2 > A |Phi'|``. The constant part of the acceleration adds none
     over the way there and back.
     """
-    weakest, strongest = acceleration_range(oscillator)
+    weakest, strongest = range_at_rest(oscillator)
     forcing = 0.5 * (strongest - weakest) / oscillator.damping
     return math.sqrt(forcing * forcing + 4.0 * oscillator.half_backlash * strongest)
 

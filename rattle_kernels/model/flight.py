@@ -23,7 +23,7 @@ from rattle_kernels.model.harmonics import (
     cubic_rest,
     states_at,
 )
-from rattle_kernels.numerics.jit import inlined
+from rattle_kernels.numerics.jit import inlined, kernel
 from rattle_kernels.numerics.phase import part_turn
 
 FOUR_PI = 4.0 * math.pi
@@ -127,6 +127,25 @@ def acceleration_range(oscillator):
     swing = TWO_PI * oscillator.eccentricity * math.hypot(TWO_PI, oscillator.damping)
     swing = add_swing(oscillator.harmonics, swing, oscillator.damping)
     return mean - swing, mean + swing
+
+
+class _Forced(NamedTuple):
+    damping: float
+    eccentricity: float
+    harmonics: tuple[NamedTuple, ...]
+
+
+@kernel
+def _acceleration_range(damping, eccentricity, harmonics):
+    return acceleration_range(_Forced(damping, eccentricity, harmonics))
+
+
+def range_at_rest(oscillator):
+    """`acceleration_range` for Python, where each process would compile an inlined function for itself.
+
+    Harmonics stay a tuple, however many there are: over an array other products are fused, and last digits change.
+    """
+    return _acceleration_range(oscillator.damping, oscillator.eccentricity, oscillator.harmonics)
 
 
 @inlined

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.model.domain import OutsideDomain, check_domain
-from rattle_kernels.model.flight import acceleration_range
+from rattle_kernels.model.flight import range_at_rest
 from rattle_kernels.numerics.pseudo_arclength import LEAST_COSINE, WIDEST, solve, unit_tangent
 from rattle_kernels.orbits.chart import GENTLE, Chart, chart_of
 from rattle_kernels.orbits.near_graze import approach_above
@@ -144,7 +144,7 @@ def leaving(task: BranchTask, graze: Graze) -> Station | None:
 
 def _layer(task: BranchTask, station: Station) -> float:
     """Speed of a touch, scaled, below which the trace is linear in it."""
-    weakest, strongest = acceleration_range(station.oscillator)
+    weakest, strongest = range_at_rest(station.oscillator)
     # With harmonics these are bounds only, and the lower one may not be positive.
     weakest = max(weakest, _WEAKEST * strongest)
     return _LINEAR * weakest / math.sqrt(2.0 * station.oscillator.stiffness) / float(task.space.scales[1])

@@ -18,6 +18,15 @@ from rattle_kernels.warm_up import FROM_PYTHON_ALONE, OF_ANALYSES
 
 REPORTED = "import json; from rattle_kernels import warm_up; seen = []; warm_up(lambda *each: seen.append(each)); "
 REPORTED += "print(json.dumps(seen))"
+COMPILED = """
+from numba.core.event import install_recorder
+from rattle_kernels import warm_up
+
+with install_recorder("numba:compile") as compiled:
+    warm_up()
+for _, each in compiled.buffer:
+    print(each.data["dispatcher"].py_func.__qualname__)
+"""
 
 
 def kernels():
@@ -68,3 +77,9 @@ def test_kernels_that_have_to_be_compiled_are_reported_and_no_others(tmp_path):
         each.unlink()
     (before, needed), after = reported()
     assert 0 < before < needed and after == [needed, needed]
+
+
+def test_a_process_that_finds_its_kernels_in_the_disk_cache_compiles_nothing():
+    """No inlined function either: one that is called from Python is compiled anew in each process."""
+    warm_up()
+    assert subprocess.run([sys.executable, "-c", COMPILED], capture_output=True, text=True, check=True).stdout == ""

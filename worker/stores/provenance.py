@@ -54,6 +54,7 @@ def new_store_attributes(title: str, request: dict[str, Any], digest: str) -> di
     }
 
 
+@cache
 def source() -> str:
     """Name and version of the program that computes."""
     return f"gear-rattle {version('gear-rattle')}"
