@@ -10,6 +10,8 @@ The formulas are those of `model.contact`. The sign of the velocity after an ela
 
 import math
 
+import numpy as np
+
 from rattle_kernels.impact_map.flights import LOWER, UPPER
 from rattle_kernels.lanes.flight import fifth_order_step, look_up, turn_phases
 from rattle_kernels.lanes.harmonics import (
@@ -76,7 +78,7 @@ def guess_contacts(lanes, corners, tables):
         abscissa = speed / (speed + tables.contact_speed)
         lanes[DURATION + i] = abscissa if below else 1.0
         row, column = lanes[END_PHASE + i] * PHASES, abscissa * ABSCISSAE
-        m, n = min(math.floor(row), PHASES - 1.0), min(math.floor(column), ABSCISSAE - 1.0)
+        m, n = min(np.floor(row), PHASES - 1.0), min(np.floor(column), ABSCISSAE - 1.0)
         m, n = (m if m >= 0.0 else 0.0), (n if n >= 0.0 else 0.0)  # NaN: a flight whose end was not found
         block = CONTACT_BELOW * BLOCK if below else CONTACT_ABOVE * BLOCK
         lanes[ROW_PART + i], lanes[COLUMN_PART + i] = row - m, column - n

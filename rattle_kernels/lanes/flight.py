@@ -14,6 +14,8 @@ The formulas are those of `model.flight`.
 
 import math
 
+import numpy as np
+
 from rattle_kernels.impact_map.flights import LOWER, UPPER, FlightEnd, next_contact
 from rattle_kernels.lanes.harmonics import (
     FORCED,
@@ -93,9 +95,10 @@ def turn_phases(lanes, field):
     """Sine and cosine of the phase that every lane has in a field; the reduction to a quarter turn is exact."""
     for i in range(LANES):
         phase = lanes[field + i]
-        halves = math.floor(2.0 * phase + 0.5)
+        # NumPy's: that of math goes through an integer.
+        halves = np.floor(2.0 * phase + 0.5)
         r = 2.0 * phase - halves
-        odd = halves - 2.0 * math.floor(0.5 * halves)
+        odd = halves - 2.0 * np.floor(0.5 * halves)
         sign = 1.0 - 2.0 * odd
         lanes[SINE + i] = sign * sine_of_half_turns(r)
         lanes[COSINE + i] = sign * cosine_of_half_turns(r)
@@ -106,7 +109,7 @@ def _graze_speeds(lanes, corners, graze_speed):
     """v* at every lane's phase, interpolated in its table."""
     for i in range(LANES):
         place = lanes[PHASE + i] * GRAZES
-        m = min(math.floor(place), GRAZES - 1.0)
+        m = min(np.floor(place), GRAZES - 1.0)
         lanes[ROW_PART + i] = place - m
         corners[i] = int(m)
     for i in range(LANES):
@@ -138,7 +141,7 @@ def _classify(lanes, corners, tables, two_beta, harmonics):
         lanes[UNSURE + i] = 1.0 if close else 0.0
         row = lanes[PHASE + i] * PHASES
         column = min(abscissa, 1.0) * ABSCISSAE
-        m, n = min(math.floor(row), PHASES - 1.0), min(math.floor(column), ABSCISSAE - 1.0)
+        m, n = min(np.floor(row), PHASES - 1.0), min(np.floor(column), ABSCISSAE - 1.0)
         block = DROP * BLOCK if drops else FALL_BACK * BLOCK
         block = RISE * BLOCK if rises else block
         lanes[ROW_PART + i], lanes[COLUMN_PART + i] = row - m, column - n
