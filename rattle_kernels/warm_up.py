@@ -12,7 +12,7 @@ from rattle_kernels.attractors.loudness import loudness
 from rattle_kernels.attractors.trap_table import build_trap_table
 from rattle_kernels.cell_mapping.cell_grid import CellGrid
 from rattle_kernels.cell_mapping.cell_groups import find_groups, label_cells
-from rattle_kernels.cell_mapping.cell_map import map_cells
+from rattle_kernels.cell_mapping.cell_map import PERMANENT_CONTACT, map_cells
 from rattle_kernels.cell_mapping.image_set import has_members, mark_images, members_of, place_images, unite
 from rattle_kernels.impact_map.capture_velocity import capture_velocity
 from rattle_kernels.impact_map.flights import UPPER
@@ -146,6 +146,9 @@ def _run_kernels_of_basins() -> None:
     tail_too_long_for_int16 = np.arange(-1, np.iinfo(np.int16).max, dtype=np.int32)
     for places in (place, tail_too_long_for_int16):
         label_cells(find_groups(members, places), np.arange(grid.cells), images.image_cell.ravel())
+    # Where all cells fall quiet there are no images, and empty arrays are of a type of their own.
+    nothing = find_groups(unite(grid.cells, []), np.empty(0, np.int32))
+    label_cells(nothing, np.arange(grid.cells), np.full(grid.cells, PERMANENT_CONTACT))
     build_trap_table(oscillator, attractors)
     loudness(oscillator, attractors[1])
     for other in (_STIFF, _WEAK):

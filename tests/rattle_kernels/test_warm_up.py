@@ -27,6 +27,18 @@ with install_recorder("numba:compile") as compiled:
 for _, each in compiled.buffer:
     print(each.data["dispatcher"].py_func.__qualname__)
 """
+UNUSUAL = """
+from rattle_kernels import CellGrid, Oscillator, basin, warm_up
+from rattle_kernels.numerics.jit import KERNELS
+
+warm_up()
+known = {each: len(each.signatures) for each in KERNELS}
+for eccentricity, rows, columns in ((0.056, 20, 20), (0.1, 1, 1), (0.1, 1, 20), (0.1, 20, 1)):
+    basin(Oscillator(0.6, eccentricity), CellGrid(time_cells=columns, velocity_cells=rows))
+for each, signatures in known.items():
+    if len(each.signatures) > signatures:
+        print(each.py_func.__qualname__)
+"""
 
 
 def kernels():
@@ -83,3 +95,7 @@ def test_a_process_that_finds_its_kernels_in_the_disk_cache_compiles_nothing():
     """No inlined function either: one that is called from Python is compiled anew in each process."""
     warm_up()
     assert subprocess.run([sys.executable, "-c", COMPILED], capture_output=True, text=True, check=True).stdout == ""
+
+
+def test_basins_that_fall_quiet_or_have_few_cells_need_no_other_types():
+    assert subprocess.run([sys.executable, "-c", UNUSUAL], capture_output=True, text=True, check=True).stdout == ""
