@@ -32,7 +32,7 @@ CHAOS = (
     "Prove that chaos is chaos: its topological entropy is positive, and its short cycles repel.",
     (
         "rattle prove-chaos --damping 0.65",
-        "rattle prove-chaos --tolerance damping=0.59999:0.60001 --columns 1024 --cycles 0",
+        "rattle prove-chaos --tolerance damping=.59999:.60001 --columns 1024 --cycles 0",
     ),
 )
 """``rattle prove-chaos``: the entry point `prove-chaos` of `rattle.commands` names it."""
