@@ -16,6 +16,14 @@ from rattle_proof.verification.verdict import Verification
 from rattle_proof.verifying import verify as prove_again
 from worker.errors import WorkerError
 
+_Machine = Annotated[
+    Path | None, typer.Argument(help="TOML file of a machine in its own units; without it, these numbers")
+]
+_Damping = Annotated[float, typer.Option(help="delta")]
+_Eccentricity = Annotated[float, typer.Option(help="epsilon")]
+_HalfBacklash = Annotated[float, typer.Option(help="beta")]
+_AsJson = Annotated[bool, typer.Option("--json", help="Print what is found as JSON alone")]
+
 
 def verify(
     store: Annotated[str, typer.Argument(help="Basin with a proof: a folder or s3://BUCKET/PREFIX")],
@@ -24,7 +32,7 @@ def verify(
     seed: Annotated[int, typer.Option(min=0, help="Of the random sample")] = 0,
     processes: Annotated[int, typer.Option(min=1, help="Processes that work")] = 2,
     anew: Annotated[bool, typer.Option("--anew", help="Try also what earlier runs have tried")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print what is found as JSON alone")] = False,
+    as_json: _AsJson = False,
 ) -> None:
     """Prove again, by Arb balls, what a basin's store claims to be proven; exit with 1 if anything is not."""
     counts = _count("--cells", cells), _count("--boxes", boxes)
@@ -49,12 +57,10 @@ def verify(
 
 
 def prove_chaos(
-    machine: Annotated[
-        Path | None, typer.Argument(help="TOML file of a machine in its own units; without it, these numbers")
-    ] = None,
-    damping: Annotated[float, typer.Option(help="delta")] = 0.6,
-    eccentricity: Annotated[float, typer.Option(help="epsilon")] = 0.1,
-    half_backlash: Annotated[float, typer.Option(help="beta")] = 0.6,
+    machine: _Machine = None,
+    damping: _Damping = 0.6,
+    eccentricity: _Eccentricity = 0.1,
+    half_backlash: _HalfBacklash = 0.6,
     restitution: Annotated[float, typer.Option(help="r; 1 is elastic")] = 1.0,
     tolerance: Annotated[
         list[str] | None, typer.Option(help="For every machine within, as in damping=0.59999:0.60001; several")
@@ -63,7 +69,7 @@ def prove_chaos(
     leaves: Annotated[int, typer.Option(help="Curves across the set that are tried")] = 200,
     cycles: Annotated[int, typer.Option(help="Impacts of the longest cycles that are looked at")] = 3,
     seed: Annotated[int, typer.Option(min=0, help="Of the departures from which chaos is sought")] = 0,
-    as_json: Annotated[bool, typer.Option("--json", help="Print what is found as JSON alone")] = False,
+    as_json: _AsJson = False,
 ) -> None:
     """Prove that chaos is chaos: its topological entropy is positive, and its short cycles repel."""
     out.quiet |= as_json
@@ -82,17 +88,15 @@ def prove_chaos(
 
 
 def prove_orbits(
-    machine: Annotated[
-        Path | None, typer.Argument(help="TOML file of a machine in its own units; without it, these numbers")
-    ] = None,
-    damping: Annotated[float, typer.Option(help="delta")] = 0.6,
-    eccentricity: Annotated[float, typer.Option(help="epsilon")] = 0.1,
-    half_backlash: Annotated[float, typer.Option(help="beta")] = 0.6,
+    machine: _Machine = None,
+    damping: _Damping = 0.6,
+    eccentricity: _Eccentricity = 0.1,
+    half_backlash: _HalfBacklash = 0.6,
     stiffness: Annotated[float, typer.Option(help="kappa")] = 1e4,
     contact_damping: Annotated[float, typer.Option(help="zeta")] = 0.0,
     departures: Annotated[int, typer.Option(help="Random departures from which motions are sought")] = 400,
     seed: Annotated[int, typer.Option(min=0, help="Of these")] = 0,
-    as_json: Annotated[bool, typer.Option("--json", help="Print what is found as JSON alone")] = False,
+    as_json: _AsJson = False,
 ) -> None:
     """Prove that motions of finite stiffness attract: permanent contact and periodic orbits."""
     out.quiet |= as_json
