@@ -8,9 +8,10 @@
 Times count forcing periods; everything else is nondimensional. `rattle.pictures` has the parts of pictures, and
 `rattle_kernels` the mathematics.
 
-``import rattle`` takes a quarter of a second. What loads Numba, Dask, Zarr or Matplotlib is imported by the functions
-that need it. The classes of `rattle.names` cannot do so, and are loaded when one is first used: type checkers and
-editors see them all the same. Packages that stand beside add functions by entry points of the group `rattle.names`.
+``import rattle`` takes a tenth of a second. What loads Numba, Dask, Zarr or Matplotlib is imported by the functions
+that need it. The classes of `rattle.names` cannot do so, nor can those that speak to a service. They are loaded when
+one is first used: type checkers and editors see them all the same. Packages that stand beside add functions by entry
+points of the group `rattle.names`.
 
 Floors, the highest first; each imports from lower ones alone ::
 
@@ -29,9 +30,6 @@ from importlib.metadata import entry_points, version
 from typing import TYPE_CHECKING, Any
 
 from rattle.measured_curve import transmission_error
-from rattle.remote.failure import ServiceFailed
-from rattle.remote.job import RemoteJob
-from rattle.remote.service import Service, connect
 from rattle.results.cache import cache
 from rattle.results.opening import open
 from rattle.stores import check, export
@@ -41,7 +39,11 @@ from worker.progress import Progress
 if TYPE_CHECKING:
     from rattle import pictures as pictures
     from rattle.names import *
+    from rattle.remote.failure import ServiceFailed
+    from rattle.remote.job import RemoteJob
+    from rattle.remote.service import Service, connect
 else:
+    _REMOTE = {"RemoteJob": "job", "Service": "service", "ServiceFailed": "failure", "connect": "service"}
 
     def __getattr__(name: str) -> Any:
         if name == "pictures":
@@ -49,7 +51,8 @@ else:
         beside = [] if name in __all__ else list(entry_points(group="rattle.names", name=name))
         if name not in __all__ and not beside:
             raise AttributeError(f"module 'rattle' has no attribute {name!r}; it has {', '.join(__all__)}")
-        found = globals()[name] = beside[0].load() if beside else getattr(import_module("rattle.names"), name)
+        module = f"rattle.remote.{_REMOTE[name]}" if name in _REMOTE else "rattle.names"
+        found = globals()[name] = beside[0].load() if beside else getattr(import_module(module), name)
         return found
 
 

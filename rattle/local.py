@@ -4,19 +4,20 @@ import contextlib
 import os
 import threading
 from collections.abc import Callable, Iterator
-from typing import Any, TypeVar
-
-from distributed import Client
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from rattle_kernels.warm_up import Report as Compiling
 from rattle_kernels.warm_up import reporting_compilation
-from worker.cluster.connection import remote_cluster, thread_cluster
 from worker.cluster.driver import Driver
 from worker.cluster.settings import ClusterSettings
+from worker.cluster.threads import Threads, threads_here
 from worker.jobs.job import Job
 from worker.kinds import KINDS
 from worker.progress import Report
 from worker.run import run_job
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 _T = TypeVar("_T")
 
@@ -66,14 +67,16 @@ def run_here(
 
 
 @contextlib.contextmanager
-def _cluster(scheduler: str | None, workers: int | None) -> Iterator[Client]:
+def _cluster(scheduler: str | None, workers: int | None) -> "Iterator[Client | Threads]":
     settings: Any = ClusterSettings() if scheduler is None else ClusterSettings(scheduler=scheduler)
     if settings.scheduler:
+        from worker.cluster.connection import remote_cluster  # loads Dask, which threads do without
+
         with remote_cluster(settings.scheduler, settings.certificates) as client:
             yield client
     else:
-        with thread_cluster(workers or usable_cores()) as client:
-            yield client
+        with threads_here(workers or usable_cores()) as threads:
+            yield threads
 
 
 def run_interruptibly(work: Callable[[threading.Event], _T]) -> _T:

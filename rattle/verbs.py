@@ -4,9 +4,11 @@ The shell's commands and the verbs of a connected service come from these functi
 them: ``import rattle`` loads neither Numba nor Dask, Zarr or xarray.
 """
 
+import contextlib
 import functools
+import gc
 import inspect
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, ParamSpec
 
@@ -26,10 +28,28 @@ if TYPE_CHECKING:
     SweptQuantity = Sequence[float | str] | np.ndarray | tuple[float | str, float | str, int, str]
 
 _P = ParamSpec("_P")
+# Objects that come before garbage is looked for, in place of Python's 700 or 2,000.
+_OBJECTS_A_COLLECTION = 100_000
 _LARGE_SECONDS = 60.0
 _WHERE = ("store", "workers", "scheduler", "progress")
 
 
+@contextlib.contextmanager
+def _with_fewer_collections() -> "Iterator[None]":
+    """Look for cyclic garbage less often: of the seconds that libraries and kernels take to load it would take a fifth.
+
+    The caller's thresholds are back at the end. A caller whose threshold is higher, or who has switched it off, keeps
+    that.
+    """
+    before = gc.get_threshold()
+    gc.set_threshold(max(before[0], _OBJECTS_A_COLLECTION) if before[0] else 0, *before[1:])
+    try:
+        yield
+    finally:
+        gc.set_threshold(*before)
+
+
+@_with_fewer_collections()
 def compute(
     job: "Job",
     *,
@@ -167,6 +187,7 @@ def _differs(value: Any, default: Any) -> bool:
     return getattr(value, "shape", ()) != () or bool(value != default)
 
 
+@_with_fewer_collections()
 def _computed(kind: str, arguments: dict[str, Any]) -> "xr.Dataset":
     """Compute the job that the arguments of a verb describe, or open its result."""
     from rattle.arguments import job_of

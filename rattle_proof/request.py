@@ -2,16 +2,18 @@
 
 import math
 from collections.abc import Collection
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import BeforeValidator, ConfigDict, Field
 
 from rattle_kernels import CellGrid, Oscillator
-from rattle_proof.enclosures.cells import MOST_LEVELS
-from rattle_proof.enclosures.machine import ABOVE_ZERO, Machine, machine_of, parameters_within, parts_of
+from rattle_proof.enclosures import MOST_LEVELS
 from worker.additions import Cost
 from worker.errors import InvalidJob
 from worker.jobs.request import INTEGRAL, Real, Request
+
+if TYPE_CHECKING:
+    from rattle_proof.enclosures.machine import Machine
 
 LEVELS = 4
 """How often the lattice grows: as it is first, and each time that its boxes have been cut into four."""
@@ -73,6 +75,9 @@ def check_proof(
     for refused, why in refusals:
         if refused:
             raise InvalidJob(why, ("prove",))
+    # Every request of a basin has a field from here. Enclosures take as long to load as ten such requests.
+    from rattle_proof.enclosures.machine import ABOVE_ZERO, machine_of, parameters_within
+
     known = parameters_within(oscillator)
     for name, (least, greatest) in proof.tolerances.items():
         place = ("prove", "tolerances", name)
@@ -114,8 +119,10 @@ def asked_of(job: Any) -> ProofRequest | None:
     return asked
 
 
-def machine_asked_of(job: Any) -> Machine:
+def machine_asked_of(job: Any) -> "Machine":
     """The machines of a job that asks for a proof, with its tolerances."""
+    from rattle_proof.enclosures.machine import machine_of
+
     asked = asked_of(job)
     assert asked is not None
     return machine_of(job.oscillator, asked.tolerances)
@@ -138,5 +145,7 @@ def most_boxes(grid: CellGrid, parts: int) -> int:
 
 def cost_of(job: Any) -> Cost:
     """What a proof needs, at most: its boxes are followed whatever the speed of the map is."""
+    from rattle_proof.enclosures.machine import parts_of
+
     boxes = most_boxes(job.grid, len(parts_of(machine_asked_of(job))))
     return Cost(boxes * _OF_A_BOX, boxes * _BYTES_OF_A_BOX)

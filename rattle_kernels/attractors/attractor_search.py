@@ -31,7 +31,7 @@ from rattle_kernels.attractors.attractor import (
     AttractorKind,
 )
 from rattle_kernels.attractors.chaotic_boxes import hit_the_same_boxes
-from rattle_kernels.attractors.chaotic_transient import distinct, follow_ensemble, follow_to_ends
+from rattle_kernels.attractors.chaotic_transient import follow_ensemble, follow_to_ends, note_orbits
 from rattle_kernels.attractors.neighbourhoods import locate, neighbourhoods
 from rattle_kernels.attractors.settled_orbit import attractor_of, settled_orbit
 from rattle_kernels.lanes.lane_fields import LANES
@@ -51,15 +51,6 @@ _PATIENCE = 4
 _FRUITLESS_SEEDS = 8
 
 
-def _orbits_of(oscillator: Oscillator, ends: np.ndarray, pause: Pause) -> list[Attractor]:
-    """The attracting periodic orbit that each settled trajectory approaches, if it approaches one."""
-    orbits = []
-    for t, v in ends.tolist():
-        pause()
-        orbits.append(settled_orbit(oscillator, t, v))
-    return [attractor_of(orbit) for orbit in orbits if orbit is not None]
-
-
 def _motions_of(oscillator: Oscillator, t: float, v: float, pause: Pause) -> list[Attractor]:
     """Final motion of one trajectory, whatever the catalogue holds; for a transient, the motions after it, and it last.
 
@@ -70,15 +61,17 @@ def _motions_of(oscillator: Oscillator, t: float, v: float, pause: Pause) -> lis
         if orbit is not None:
             return [attractor_of(orbit)]
         ensemble = follow_ensemble(oscillator, t, v, pause)
-        orbits = _orbits_of(oscillator, ensemble.settled if ensemble.chaotic else ensemble.ends, pause)
-        left = ensemble.captured + len(orbits)
+        after, members = [PERMANENT_CONTACT_ATTRACTOR], [ensemble.captured]
+        settled_t, settled_v = np.ascontiguousarray((ensemble.settled if ensemble.chaotic else ensemble.ends).T)
+        note_orbits(oscillator, settled_t, settled_v, after, members, pause)
+        left = sum(members)
         if 2 * left > ENSEMBLE:
-            return orbits or [PERMANENT_CONTACT_ATTRACTOR]
+            return after[1:] or after
         if ensemble.chaotic:
             chaos = Attractor(AttractorKind.CHAOTIC, 0, 0, 0, *ensemble[1:3], ensemble.t, ensemble.v)
             if not left:
                 return [chaos]
-            after, members, later = follow_to_ends(oscillator, ensemble, distinct(oscillator, orbits), pause)
+            after, members, later = follow_to_ends(oscillator, ensemble, after[1:], pause)
             if not later:  # those that left had begun beside the chaos, not on it
                 return [*after, chaos]
             ends = tuple((place, number / ENSEMBLE) for place, number in enumerate(members) if number)

@@ -124,21 +124,21 @@ def _boxes(oscillator: Oscillator, times: bytes, speeds: bytes, passed: _Passed)
     return _distinct(box, rows)[0]
 
 
-def boxes_of(oscillator: Oscillator, motion: Attractor) -> np.ndarray:
+def marked_boxes(oscillator: Oscillator, times: bytes, speeds: bytes) -> np.ndarray:
     """Numbers of the boxes that the points of a chaotic motion and their images hit; found once per process.
 
     Parameters
     ----------
     oscillator : Oscillator
         Checked by the caller.
-    motion : Attractor
-        Chaotic.
+    times, speeds : bytes
+        The points, as `ndarray.tobytes` gives them.
 
     Returns
     -------
     ndarray of int64, ascending
     """
-    return _boxes(oscillator, motion.time.tobytes(), motion.velocity.tobytes(), _Passed())
+    return _boxes(oscillator, times, speeds, _Passed())
 
 
 def hit_the_same_boxes(oscillator: Oscillator, one: Attractor, other: Attractor) -> bool:
@@ -155,5 +155,5 @@ def hit_the_same_boxes(oscillator: Oscillator, one: Attractor, other: Attractor)
     -------
     bool
     """
-    some, others = boxes_of(oscillator, one), boxes_of(oscillator, other)
+    some, others = (marked_boxes(oscillator, each.time.tobytes(), each.velocity.tobytes()) for each in (one, other))
     return np.intersect1d(some, others).size > _SAME_PART * min(some.size, others.size)

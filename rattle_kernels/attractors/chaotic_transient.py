@@ -208,25 +208,50 @@ def _place_of(oscillator: Oscillator, orbit: Attractor, motions: Sequence[Attrac
     return len(motions)
 
 
-def distinct(oscillator: Oscillator, orbits: Sequence[Attractor]) -> list[Attractor]:
-    """Periodic orbits, each once.
+def note_orbits(
+    oscillator: Oscillator, t: np.ndarray, v: np.ndarray, motions: list[Attractor], members: list[int], pause: Pause
+) -> np.ndarray:
+    """Find the attracting periodic orbits that settled trajectories approach.
+
+    Most approach one that another has led to. So these are recognised by its neighbourhoods, all at once.
 
     Parameters
     ----------
     oscillator : Oscillator
         Checked by the caller.
-    orbits : sequence of Attractor
+    t, v : ndarray of float64, shape (n,)
+        Phases and speeds of their departures.
+    motions : list of Attractor
+        Known motions. Orbits that are none of them are added.
+    members : list of int
+        How many trajectories have ended in each motion; those that are found here are counted.
+    pause : callable
+        Called several times a second; an exception raised there ends the search.
 
     Returns
     -------
-    list of Attractor
-        In the order in which they come.
+    ndarray of bool, shape (n,)
+        Which trajectories approach an attracting periodic orbit.
     """
-    once: list[Attractor] = []
-    for orbit in orbits:
-        if _place_of(oscillator, orbit, once) == len(once):
-            once.append(orbit)
-    return once
+    left, approach = np.arange(t.size), np.zeros(t.size, np.bool_)
+    while left.size:
+        pause()
+        member, left = left[0], left[1:]
+        orbit = settled_orbit(oscillator, float(t[member]), float(v[member]))
+        if orbit is None:
+            continue
+        found = attractor_of(orbit)
+        place, approach[member] = _place_of(oscillator, found, motions), True
+        if place == len(motions):
+            motions.append(found)
+            members.append(0)
+            around = neighbourhoods(oscillator, [PERMANENT_CONTACT_ATTRACTOR, found], pause)
+            alike = locate(oscillator, around, t[left], v[left]) == 1
+            approach[left[alike]] = True
+            members[place] += int(alike.sum())
+            left = left[~alike]
+        members[place] += 1
+    return approach
 
 
 def follow_to_ends(
@@ -277,17 +302,10 @@ def _not_ended(
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Members that are still on the transient. The others are counted, and new orbits added."""
     places = locate(oscillator, neighbourhoods(oscillator, motions, pause), t, v)
-    grown = tangent_growth(oscillator, t, v, _GROWING[0])
-    settled = (places < 0) & (grown.growth < SLUGGISH * exponent * grown.elapsed)
-    for member in np.flatnonzero(settled).tolist():
-        pause()
-        orbit = settled_orbit(oscillator, float(t[member]), float(v[member]))
-        if orbit is not None:
-            found = attractor_of(orbit)
-            places[member] = _place_of(oscillator, found, motions)
-            if places[member] == len(motions):
-                motions.append(found)
-                members.append(0)
     for place in places[places >= 0].tolist():
         members[place] += 1
-    return t[places < 0], v[places < 0]
+    t, v = t[places < 0], v[places < 0]
+    grown = tangent_growth(oscillator, t, v, _GROWING[0])
+    settled = np.flatnonzero(grown.growth < SLUGGISH * exponent * grown.elapsed)
+    ended = settled[note_orbits(oscillator, t[settled], v[settled], motions, members, pause)]
+    return np.delete(t, ended), np.delete(v, ended)

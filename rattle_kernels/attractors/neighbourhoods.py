@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.attractors.attractor import Attractor, AttractorKind
-from rattle_kernels.attractors.chaotic_boxes import boxes_of
+from rattle_kernels.attractors.chaotic_boxes import marked_boxes
 from rattle_kernels.lanes.arrival import BOXES, ELLIPSE_COLUMNS, UNMARKED, follow
 from rattle_kernels.lanes.run import next_impacts, run_lanes
 from rattle_kernels.lanes.tables import lane_tables
@@ -139,8 +139,10 @@ def _ellipses(
     return np.column_stack([orbit.t, orbit.v]), forms, reach
 
 
-def _own_boxes(marked: dict[int, np.ndarray]) -> np.ndarray:
-    """Owner of each box of the lattice; a box that two attractors hit has none."""
+@lru_cache(maxsize=4)
+def _own_boxes(oscillator: Oscillator, chaotic: tuple[tuple[int, bytes, bytes], ...]) -> np.ndarray:
+    """Owner of each box of the lattice, of motions with their points; a box that two of them hit has none."""
+    marked = {index: marked_boxes(oscillator, *points) for index, *points in chaotic}
     rows = 1 + max((int(boxes[-1]) // BOXES for boxes in marked.values()), default=0)
     owner = np.full(rows * BOXES, UNMARKED, np.int16)
     for index, boxes in marked.items():
@@ -179,21 +181,22 @@ def neighbourhoods(
     Neighbourhoods
     """
     ellipses, owner = [(np.empty((0, 2)), np.empty((0, 3)), np.empty(0))], []
-    marked: dict[int, np.ndarray] = {}
+    chaotic: list[tuple[int, bytes, bytes]] = []
     for index, attractor in enumerate(attractors):
         if not attractor.time.size:  # permanent contact, or in a sweep an attractor of other basins
             continue
         points = attractor.time.tobytes(), attractor.velocity.tobytes()
         if attractor.is_chaotic:
-            marked[index] = boxes_of(oscillator, attractor)
+            chaotic.append((index, *points))
         elif attractor.kind == AttractorKind.PERIODIC:
             ellipses.append(_ellipses(oscillator, *points, Stoppable(pause)))
             owner += [index] * attractor.time.size
     scale = largest_grazing_speed(oscillator)
     centres, forms, reach = (np.concatenate(parts) for parts in zip(*ellipses, strict=True))
     return Neighbourhoods(
-        centres, forms, np.array(owner, np.int64), *_by_column(centres[:, 0], reach), _own_boxes(marked), scale
-    )
+        centres, forms, np.array(owner, np.int64), *_by_column(centres[:, 0], reach),
+        _own_boxes(oscillator, tuple(chaotic)), scale,
+    )  # fmt: skip
 
 
 def locate(

@@ -1,6 +1,6 @@
 """How fast tangent vectors grow along trajectories of P: their largest Lyapunov exponent, in lanes.
 
-DP carries a tangent vector along, and it is rescaled after every impact. The exponent is the mean growth of its
+DP carries a tangent vector along, and it is rescaled every few flights. The exponent is the mean growth of its
 logarithm per forcing period (Benettin et al. 1980). Many trajectories are followed for some hundred impacts each,
 instead of one for many thousands. They are independent, so their scatter gives the error of the mean, and they keep all
 lanes busy. The flights are those of `run`, to the bit.
@@ -11,19 +11,44 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle_kernels.impact_map.chatter import is_captured
+from rattle_kernels.impact_map.chatter import is_below, ringing_radian
 from rattle_kernels.impact_map.flights import LOWER, UPPER, FlightEnd
 from rattle_kernels.impact_map.variations import contact_jacobian, flight_jacobian
 from rattle_kernels.lanes.advance import begin_at_the_end, depart, fly, idle, stay
-from rattle_kernels.lanes.lane_fields import DROPS, DURATION, END_VELOCITY, FLIGHT_FIELDS, LANES, PHASE, VELOCITY
+from rattle_kernels.lanes.lane_fields import (
+    COSINE,
+    DROPS,
+    DURATION,
+    END_ACCELERATION,
+    END_PHASE,
+    END_VELOCITY,
+    FLIGHT_FIELDS,
+    LANES,
+    PHASE,
+    PHI2,
+    SINE,
+    VELOCITY,
+    count_set,
+    lane_buffer,
+)
 from rattle_kernels.lanes.loose_flight import rest_time
 from rattle_kernels.lanes.tables import lane_tables
 from rattle_kernels.model.contact import slow_part
 from rattle_kernels.model.contact_end import Contact
 from rattle_kernels.model.domain import check_oscillator
+from rattle_kernels.model.flight import FOUR_PI, TWO_PI, second_phi
+from rattle_kernels.model.harmonics import add_rest_acceleration
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import OUTCOME_RETURNED
-from rattle_kernels.numerics.jit import inlined, lane_kernel
+from rattle_kernels.numerics.jit import always_inlined, chosen_by_field, inlined, lane_kernel
+from rattle_kernels.numerics.polynomials import second_phi_of_part
+
+_TANGENT_TIME, _TANGENT_SPEED, _GROWTH, _ELAPSED, _LEFT, _EVENT = ((FLIGHT_FIELDS + n) * LANES for n in range(6))
+_FIELDS = FLIGHT_FIELDS + 6
+_NOTHING, _COUNTED, _ENDED = 0.0, 1.0, 2.0
+
+# Flights between two times that vectors are rescaled. One that grazes stretches them by 1e8 or so, so there is room.
+_RESCALED_AFTER = 8
 
 # Within this many impacts tangent vectors turn into the growing direction; in chaos what is left is e^-20 or so.
 _ALIGNING = 64
@@ -61,75 +86,146 @@ class TangentGrowth(NamedTuple):
 
 
 @inlined
-def _turn(tangents, lane, jacobian):
-    dt, dw = tangents[0, lane], tangents[1, lane]
-    tangents[0, lane] = jacobian.tt * dt + jacobian.tv * dw
-    tangents[1, lane] = jacobian.vt * dt + jacobian.vv * dw
+def _length(lanes, i, largest_grazing_speed):
+    return math.hypot(lanes[_TANGENT_TIME + i], lanes[_TANGENT_SPEED + i] / largest_grazing_speed)
 
 
 @inlined
-def _turn_by_flights(lanes, oscillator, tangents, elapsed, left):
-    """Carry the tangent vectors of the lanes that go on along their flights and impacts, and count the time."""
-    for i in range(left.size):
-        if left[i] > 0:
-            phase, duration = lanes[PHASE + i], lanes[DURATION + i]
-            arrives = -lanes[END_VELOCITY + i] / oscillator.restitution
-            end = FlightEnd(UPPER, phase + duration, duration, arrives, True)
-            _turn(tangents, i, flight_jacobian(oscillator, phase, lanes[VELOCITY + i], end))
-            tangents[1, i] *= oscillator.restitution
-            if rest_time(oscillator, lanes, i) > 0.0:  # what it was is forgotten: a new vector
-                tangents[0, i], tangents[1, i] = 1.0, 0.0
-            elapsed[i] += duration
+def _turn(lanes, i, jacobian):
+    dt, dw = lanes[_TANGENT_TIME + i], lanes[_TANGENT_SPEED + i]
+    lanes[_TANGENT_TIME + i] = jacobian.tt * dt + jacobian.tv * dw
+    lanes[_TANGENT_SPEED + i] = jacobian.vt * dt + jacobian.vv * dw
 
 
 @inlined
-def _turn_by_contacts(lanes, oscillator, tangents, elapsed, left):
-    """Carry the tangent vectors of the lanes that go on through their contacts, and count the time."""
-    for i in range(left.size):
-        if left[i] > 0:
-            velocity, duration = lanes[VELOCITY + i], lanes[DURATION + i]
-            side = LOWER if velocity > 0.0 else UPPER
-            contact = Contact(duration, abs(lanes[END_VELOCITY + i]), OUTCOME_RETURNED)
-            _turn(tangents, i, contact_jacobian(oscillator, side, lanes[PHASE + i], abs(velocity), contact))
-            elapsed[i] += duration
+def _turn_loosely(lanes, oscillator, largest_grazing_speed):
+    """As `_turn_by_flights`, of a gear that rests between flights."""
+    for i in range(LANES):
+        before = _length(lanes, i, largest_grazing_speed)
+        phase, duration = lanes[PHASE + i], lanes[DURATION + i]
+        arrives = -lanes[END_VELOCITY + i] / oscillator.restitution
+        end = FlightEnd(UPPER, phase + duration, duration, arrives, True)
+        _turn(lanes, i, flight_jacobian(oscillator, phase, lanes[VELOCITY + i], end))
+        lanes[_TANGENT_SPEED + i] *= oscillator.restitution
+        if rest_time(oscillator, lanes, i) > 0.0:  # what it was is forgotten: a new vector
+            lanes[_GROWTH + i] += math.log(before)
+            lanes[_TANGENT_TIME + i], lanes[_TANGENT_SPEED + i] = 1.0, 0.0
+        lanes[_ELAPSED + i] += duration
+
+
+@chosen_by_field("arcs", _turn_loosely)
+def _turn_by_flights(lanes, oscillator, largest_grazing_speed):
+    """Carry every tangent vector along its flight and through the impact, and count the time.
+
+    `variations.flight_jacobian`, of what the flight has left in its lane.
+    """
+    d, e, harmonics, restitution = (
+        oscillator.damping, oscillator.eccentricity, oscillator.harmonics, oscillator.restitution,
+    )  # fmt: skip
+    long = 0
+    for i in range(LANES):
+        x = d * lanes[DURATION + i]
+        lanes[PHI2 + i] = second_phi_of_part(x)
+        long += 1 if x > 1.0 else 0
+    if long > 0:
+        for i in range(LANES):
+            x = d * lanes[DURATION + i]
+            lanes[PHI2 + i] = second_phi(x) if x > 1.0 else lanes[PHI2 + i]
+    for i in range(LANES):
+        tau, w, arrives = lanes[DURATION + i], lanes[VELOCITY + i], -lanes[END_VELOCITY + i] / restitution
+        rest = FOUR_PI * d - TWO_PI * e * (TWO_PI * lanes[COSINE + i] + d * lanes[SINE + i])
+        leaving = add_rest_acceleration(harmonics, rest, (d, lanes[PHASE + i])) - d * w
+        arriving = lanes[END_ACCELERATION + i] - d * arrives
+        stretch = tau * (1.0 - d * tau * lanes[PHI2 + i])
+        decay = 1.0 - d * stretch
+        dt, dw = lanes[_TANGENT_TIME + i], lanes[_TANGENT_SPEED + i]
+        later = ((w + stretch * leaving) * dt - stretch * dw) / arrives
+        lanes[_TANGENT_TIME + i] = later
+        lanes[_TANGENT_SPEED + i] = restitution * (decay * (leaving * dt - dw) - arriving * later)
+        lanes[_ELAPSED + i] += tau
+
+
+@inlined
+def _turn_by_contacts(lanes, oscillator):
+    """Carry every tangent vector through the contact of its lane, and count the time."""
+    for i in range(LANES):
+        velocity, duration = lanes[VELOCITY + i], lanes[DURATION + i]
+        side = LOWER if velocity > 0.0 else UPPER
+        contact = Contact(duration, abs(lanes[END_VELOCITY + i]), OUTCOME_RETURNED)
+        _turn(lanes, i, contact_jacobian(oscillator, side, lanes[PHASE + i], abs(velocity), contact))
+        lanes[_ELAPSED + i] += duration
+
+
+@always_inlined
+def _note_returns(lanes, capture_bound, radian, impacts):
+    """Move every lane to where its next flight begins; return how many have an event.
+
+    An event is the end of the alignment, of the run, or of the motion: a capture, or a root-finder that gave up.
+    """
+    for i in range(LANES):
+        phase, velocity, returns = lanes[END_PHASE + i], lanes[END_VELOCITY + i], lanes[DROPS + i] == 0.0
+        left = lanes[_LEFT + i] - (1.0 if returns else 0.0)
+        event = _COUNTED if left == impacts else _NOTHING
+        event = _COUNTED if left == 0.0 else event
+        event = _ENDED if is_below(capture_bound, radian, lanes[END_ACCELERATION + i], -velocity) else event
+        event = _ENDED if velocity == 0.0 else event  # a contact that does not end
+        event = event if returns else _NOTHING
+        lanes[_EVENT + i] = event if phase == phase else _ENDED  # NaN: a root-finder gave up
+        lanes[_LEFT + i] = left
+        lanes[PHASE + i], lanes[VELOCITY + i] = phase, velocity
+    return count_set(lanes, _EVENT)
+
+
+@inlined
+def _rescale(lanes, largest_grazing_speed):
+    """Make every tangent vector one of length 1, and count its logarithm."""
+    for i in range(LANES):
+        length = _length(lanes, i, largest_grazing_speed)
+        lanes[_GROWTH + i] += math.log(length)
+        lanes[_TANGENT_TIME + i] /= length
+        lanes[_TANGENT_SPEED + i] /= length
 
 
 @lane_kernel
 def _grow(oscillator, tables, impacts, t, v, growth, elapsed):
     """Follow at most LANES trajectories; t and v become where they end."""
-    lanes, corners = np.zeros(FLIGHT_FIELDS * LANES), np.zeros(LANES, np.int64)
-    tangents, left = np.zeros((2, t.size)), np.full(t.size, impacts + _ALIGNING)
-    stiff, slow = math.isfinite(oscillator.stiffness), slow_part(oscillator)
-    for i in range(t.size):
-        depart(lanes, i, t[i], v[i])
-        tangents[0, i] = 1.0
-    flying = t.size
+    lanes, corners = lane_buffer(_FIELDS), np.zeros(LANES, np.int64)
+    stiff, radian, slow = math.isfinite(oscillator.stiffness), ringing_radian(oscillator), slow_part(oscillator)
+    top = tables.largest_grazing_speed
+    for i in range(LANES):
+        lanes[_LEFT + i] = math.inf
+        if i < t.size:
+            depart(lanes, i, t[i], v[i])
+            lanes[_LEFT + i] = impacts + _ALIGNING
+        lanes[_TANGENT_TIME + i] = 1.0
+    flying, flights = t.size, 0
     while flying > 0:
-        for i in range(LANES):
-            if i >= t.size or left[i] == 0:
-                idle(lanes, i, tables.largest_grazing_speed)
+        if flying < LANES:
+            for i in range(LANES):
+                if lanes[_LEFT + i] == math.inf:
+                    idle(lanes, i, top)
         fly(lanes, corners, oscillator, tables)
-        _turn_by_flights(lanes, oscillator, tangents, elapsed, left)
-        begin_at_the_end(lanes)
+        _turn_by_flights(lanes, oscillator, top)
         if stiff:
-            stay(lanes, corners, oscillator, tables, slow)
-            _turn_by_contacts(lanes, oscillator, tangents, elapsed, left)
             begin_at_the_end(lanes)
+            stay(lanes, corners, oscillator, tables, slow)
+            _turn_by_contacts(lanes, oscillator)
+        flights += 1
+        if flights % _RESCALED_AFTER == 0:
+            _rescale(lanes, top)
+        if _note_returns(lanes, tables.capture_bound, radian, float(impacts)) == 0:
+            continue
         for i in range(t.size):
-            found = lanes[PHASE + i] == lanes[PHASE + i]  # NaN where a root-finder gave up: that lane is done
-            if left[i] == 0 or (found and lanes[DROPS + i] != 0.0):
+            if lanes[_EVENT + i] == _NOTHING or lanes[_LEFT + i] == math.inf:
                 continue
-            left[i] -= 1
-            t[i], v[i] = lanes[PHASE + i], -lanes[VELOCITY + i]
-            norm = math.hypot(tangents[0, i], tangents[1, i] / tables.largest_grazing_speed)
-            growth[i] += math.log(norm)
-            tangents[0, i], tangents[1, i] = tangents[0, i] / norm, tangents[1, i] / norm
-            if left[i] == impacts:
-                growth[i] = elapsed[i] = 0.0
-            if not (found and v[i] > 0.0) or is_captured(oscillator, tables.capture_bound, t[i], v[i]):
-                left[i] = 0
+            if lanes[_EVENT + i] == _COUNTED:
+                grown = lanes[_GROWTH + i] + math.log(_length(lanes, i, top))
+                growth[i], elapsed[i] = grown - growth[i], lanes[_ELAPSED + i] - elapsed[i]
+                t[i], v[i] = lanes[PHASE + i], -lanes[VELOCITY + i]
+            else:
                 t[i] = v[i] = growth[i] = elapsed[i] = math.nan
-            if left[i] == 0:
+            if lanes[_EVENT + i] == _ENDED or lanes[_LEFT + i] == 0.0:
+                lanes[_LEFT + i] = math.inf
                 flying -= 1
 
 

@@ -11,6 +11,7 @@ from rattle_kernels.cell_mapping.cell_grid import CellGrid
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.jit import inlined_as_written, kernel_as_written
 from rattle_kernels.numerics.pausing import Pause, never_stopped
+from rattle_proof.enclosures import MOST_LEVELS
 from rattle_proof.enclosures.flight import Box
 from rattle_proof.enclosures.following import follow
 from rattle_proof.enclosures.interval import Interval, down, up
@@ -18,7 +19,6 @@ from rattle_proof.enclosures.lattice import UNPROVEN
 from rattle_proof.enclosures.machine import Machine
 from rattle_proof.enclosures.targets import Targets
 
-MOST_LEVELS = 3
 WHOLE = 4**MOST_LEVELS
 """Parts of a cell that are counted: 64."""
 ENDS_ELSEWHERE = 4

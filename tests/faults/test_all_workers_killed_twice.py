@@ -12,8 +12,8 @@ from tests.faults.conftest import BASIN
 from tests.faults.farm import kill, local_workers, store_of
 from tests.store_content import content
 from tests.waiting import wait_until
-from worker.cluster.connection import thread_cluster
 from worker.cluster.driver import Driver
+from worker.cluster.threads import threads_here
 from worker.kinds import KINDS
 from worker.run import run_job
 
@@ -23,9 +23,9 @@ REQUESTS = {"basins": BASIN, **ROUTES, "grazing-curves": {"order": 4}}
 def undisturbed(path, place):
     """What the store of a request holds when nothing is killed."""
     (kind,) = (kind for kind in KINDS.values() if kind.path == path)
-    with thread_cluster(threads=2) as client:
+    with threads_here(2) as threads:
         job = kind.job_class.from_request(REQUESTS[path])
-        run_job(job, str(place), Driver(client), report=lambda _: None, cancel=threading.Event())
+        run_job(job, str(place), Driver(threads), report=lambda _: None, cancel=threading.Event())
     return content(place)
 
 

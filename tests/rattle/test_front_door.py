@@ -1,5 +1,6 @@
 """`import rattle`: quick to import, and its verbs compute, keep and resume."""
 
+import gc
 import subprocess
 import sys
 import threading
@@ -32,18 +33,33 @@ def test_names_that_are_loaded_on_first_use_are_public_ones():
     assert all(getattr(rattle, name) is getattr(names, name) for name in names.__all__)
 
 
-def test_a_small_basin_loads_no_dask_arrays(tmp_path):
+def test_a_small_basin_loads_no_arrays_and_no_cluster_of_dask(tmp_path):
     script = (
         "import sys, rattle\n"
         "basin = rattle.basin(cells=10, iterations=101, progress=False, store=sys.argv[1])\n"
         "basin.rattle.to_table(), basin.solution.values\n"
-        "print('dask.array' in sys.modules)"
+        "heavy = {'dask.array', 'distributed', 'httpx2', 'cryptography', 'rattle_proof.enclosures.cells'}\n"
+        "print(heavy & set(sys.modules))"
     )
     told = subprocess.run(
         [sys.executable, "-c", script, tmp_path / "small.zarr"],
         capture_output=True, text=True, check=True, timeout=300,
     )  # fmt: skip
-    assert told.stdout.strip() == "False"
+    assert told.stdout.strip() == "set()"
+
+
+@pytest.mark.parametrize("threshold", [0, 700, 200_000])
+def test_the_callers_thresholds_of_the_garbage_collector_are_back(threshold, tmp_path):
+    before, seen = gc.get_threshold(), []
+    gc.set_threshold(threshold, 11, 12)
+    try:
+        rattle.basin(
+            cells=8, iterations=23, store=tmp_path / "small.zarr", progress=lambda _: seen.append(gc.get_threshold())
+        )
+        assert gc.get_threshold()[:2] == (threshold, 11)
+    finally:
+        gc.set_threshold(*before)
+    assert set(seen) == {(max(threshold, 100_000) if threshold else 0, 11, 12)}
 
 
 def test_a_result_is_kept_under_its_request(basin, kept):

@@ -1,22 +1,27 @@
 """Calls of a worker: the tasks that they carry, and what a worker does with them.
 
-A worker tells the driver, by an event of Dask's, before it compiles the first kernel for a job. Kernels for one, two
-and more harmonics are compiled when a job first needs them, and nothing else happens for a minute or so.
+A worker tells the driver before it compiles the first kernel for a job. Kernels for one, two and more harmonics are
+compiled when a job first needs them, and nothing else happens for a minute or so.
 """
 
 import contextlib
 import threading
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager
+from contextvars import ContextVar
 from dataclasses import dataclass
-from typing import Any, NamedTuple
-
-from distributed import Client, get_worker, secede
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rattle_kernels.numerics.compiled_apart import compiled_apart
 from rattle_kernels.numerics.jit import watch_compiling
 from worker.errors import JobCancelled
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+    from worker.cluster.threads import Threads
 
 Address = tuple[str, str]
 """Location of a job's store, and digest of the job."""
@@ -58,8 +63,51 @@ class Task:
         return self.name or f"{self.function.__name__} {self.number}"
 
 
+class Place(ABC):
+    """Where a call runs, and what it can say there."""
+
+    @abstractmethod
+    def is_cancelled(self) -> bool:
+        """Whether nobody waits for the call any longer."""
+
+    @abstractmethod
+    def tell(self, topic: str, address: Address) -> None:
+        """Tell the driver of something that concerns a job."""
+
+    @abstractmethod
+    def leave(self) -> None:
+        """Make room for the next call: this one only waits for the disk."""
+
+
+class _OnWorker(Place):
+    """A worker of Dask. A process of threads alone does without Dask, so it is loaded here."""
+
+    def __init__(self) -> None:
+        from distributed import get_worker
+
+        self._worker = get_worker()
+        self._key = self._worker.get_current_task()
+
+    def is_cancelled(self) -> bool:
+        state = self._worker.state.tasks.get(self._key)
+        # `Future.cancel` alone does not stop a running function.
+        return state is not None and state.state in ("cancelled", "resumed")
+
+    def tell(self, topic: str, address: Address) -> None:
+        self._worker.log_event(topic, list(address))
+
+    def leave(self) -> None:
+        from distributed import secede
+
+        secede()
+
+
+place: ContextVar[Place | None] = ContextVar("place", default=None)
+"""Where this thread's call runs; None outside of one. Threads of a driver set it, a worker of Dask's is found."""
+
+
 def stop_if_cancelled() -> None:
-    """Leave a task that has been cancelled. `Future.cancel` alone does not stop a running function.
+    """Leave a task that has been cancelled; called as a plain function, do nothing.
 
     Called several times a second, wherever a task may take longer than that.
 
@@ -67,31 +115,21 @@ def stop_if_cancelled() -> None:
     ------
     JobCancelled
     """
-    try:
-        worker = get_worker()
-        state = worker.state.tasks.get(worker.get_current_task())
-    except ValueError:  # not on a worker: called as a plain function
-        return
-    if state is not None and state.state in ("cancelled", "resumed"):
+    here = place.get()
+    if here is not None and here.is_cancelled():
         raise JobCancelled("cancelled while a tile was computed")
 
 
 @contextlib.contextmanager
-def telling_of_compilation(address: Address) -> Iterator[None]:
-    """Tell the driver once if a kernel is compiled while a context lasts. Called on a worker.
-
-    Parameters
-    ----------
-    address : (str, str)
-        The job's.
-    """
-    worker, sent = get_worker(), False
+def _telling_of_compilation(here: Place, address: Address) -> Iterator[None]:
+    """Tell the driver once if a kernel is compiled while a context lasts."""
+    sent = False
 
     def tell() -> None:
         nonlocal sent
         if not sent:
             sent = True
-            worker.log_event(_TOPIC, list(address))
+            here.tell(_TOPIC, address)
 
     with watch_compiling(tell):
         yield
@@ -102,10 +140,10 @@ class Compiling:
 
     Parameters
     ----------
-    client : distributed.Client
+    client : distributed.Client or Threads
     """
 
-    def __init__(self, client: Client) -> None:
+    def __init__(self, client: "Client | Threads") -> None:
         self._client, self._jobs = client, set[Address]()
         self._lock, self._listens = threading.Lock(), False
 
@@ -160,13 +198,16 @@ def run_call(call: Call) -> Receipts:
     Receipts
     """
     begin = time.perf_counter()
-    values = []
-    address = call.location, call.digest
-    with telling_of_compilation(address), compiled_apart(stop_if_cancelled), call.within():
-        for task in call.tasks:
-            stop_if_cancelled()
-            values.append(call.function(call.location, call.digest, *task))
-        seconds = time.perf_counter() - begin
-        # What is left to do is to wait for the disk. This thread's place is free meanwhile for the next call.
-        secede()
+    here, values, address = place.get() or _OnWorker(), [], (call.location, call.digest)
+    outside = place.set(here)
+    try:
+        with _telling_of_compilation(here, address), compiled_apart(stop_if_cancelled), call.within():
+            for task in call.tasks:
+                stop_if_cancelled()
+                values.append(call.function(*address, *task))
+            seconds = time.perf_counter() - begin
+            # What is left to do is to wait for the disk. This thread's place is free meanwhile for the next call.
+            here.leave()
+    finally:
+        place.reset(outside)
     return Receipts(values, seconds)

@@ -4,7 +4,6 @@ Dask's TLS is mutual and does not check host names. Whoever has the certificate 
 """
 
 import os
-from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -13,16 +12,9 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
+from worker.cluster.settings import Certificates
+
 _ALLOWED_CLOCK_ERROR = timedelta(hours=1)
-
-
-@dataclass(frozen=True)
-class Certificates:
-    """Files that a part of a cluster needs: the authority's certificate, its own certificate, and its key."""
-
-    authority: Path
-    certificate: Path
-    key: Path
 
 
 def make_certificates(folder: Path, days: int) -> Certificates:

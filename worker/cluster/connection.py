@@ -9,15 +9,15 @@ import os
 import signal
 import time
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, cast
 
 import dask
 from distributed import Client, LocalCluster, Nanny, Security, WorkerPlugin
 
 from rattle_kernels import warm_up
 from rattle_kernels.warm_up import Report
-from worker.cluster.certificates import Certificates
 from worker.cluster.driver import Driver
+from worker.cluster.settings import Certificates
 from worker.errors import ClusterFailed
 from worker.rounding import warn_if_unfused
 
@@ -29,8 +29,6 @@ _ANSWER_SECONDS = 2.0
 _CONNECT_SECONDS = 10
 _CLOSE_SECONDS = 10
 _FORGET_SECONDS = 3
-# Tasks look several times a second whether they are cancelled.
-_LEAVE_SECONDS = 1
 # Workers yield to the driver, and even more to a service, which must answer while both cores compute.
 _NICENESS = 8
 # Each connection keeps its last messages for debugging. The default of a thousand takes 100 MB with catalogues in them.
@@ -125,48 +123,6 @@ def local_cluster(workers: int = 2, compiling: Report | None = None) -> Iterator
             yield client
     finally:
         _end(cluster)
-
-
-@contextlib.contextmanager
-def thread_cluster(threads: int) -> Iterator[Client]:
-    """Client of an embedded cluster of threads of this process, which start within a tenth of a second.
-
-    Kernels release the GIL. They are compiled, or loaded from the disk cache, when a task first needs them.
-
-    Parameters
-    ----------
-    threads : int
-
-    Yields
-    ------
-    distributed.Client
-    """
-    dask.config.set(_MESSAGES_KEPT)
-    with dask.config.set(_EMBEDDED):
-        cluster = LocalCluster(
-            n_workers=1, threads_per_worker=threads, processes=False, memory_limit=0, dashboard_address="127.0.0.1:0",
-            worker_dashboard_address="127.0.0.1:0",
-            silence_logs=logging.CRITICAL, scheduler_kwargs={"dashboard": False},
-        )  # fmt: skip
-    try:
-        with _closing(Client(cluster, set_as_default=False)) as client:
-            yield client
-    finally:
-        _end_threads(cluster)
-
-
-def _end_threads(cluster: LocalCluster) -> None:
-    """Close an embedded cluster of threads once its tasks have left, or soon: one that compiles a kernel cannot.
-
-    Such a thread leaves its task by itself when the kernel is there. `close` alone would wait for it, then fail.
-    """
-    workers = list(cluster.workers.values())
-    patience = time.monotonic() + _LEAVE_SECONDS
-    while any(worker.state.executing for worker in workers) and time.monotonic() < patience:
-        time.sleep(0.01)
-    for worker in workers:
-        cluster.sync(worker.close, executor_wait=False)
-    cluster.close(timeout=_CLOSE_SECONDS)
 
 
 def _end(cluster: LocalCluster) -> None:
@@ -368,4 +324,4 @@ class ReconnectingCluster:
     def drop(self) -> None:
         """Kill embedded workers. The rest ends with this process, because Dask takes seconds to close it."""
         if self._driver is not None and self._address is None:
-            kill_workers(self._driver.client.cluster)
+            kill_workers(cast(Client, self._driver.client).cluster)

@@ -22,12 +22,15 @@ import uuid
 from collections import deque
 from collections.abc import Callable, Generator, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from typing import Any, NamedTuple, cast
-
-from distributed import Client, Future
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 from worker.cluster.calls import Call, Compiling, Receipts, Task, run_call
 from worker.errors import ClusterFailed, JobCancelled, StoreFailed, TileFailed, WorkerError
+
+if TYPE_CHECKING:
+    from distributed import Client, Future
+
+    from worker.cluster.threads import Threads
 
 _log = logging.getLogger("rattle.driver")
 _TRIES = 4
@@ -47,7 +50,7 @@ _SHORTEST_CALL_SECONDS, _LONGEST_CALL_SECONDS = 0.1, 10.0
 _LOST = "the connection to the scheduler is lost; submit again when it is back"
 
 
-def _threads(client: Client) -> int:
+def _threads(client: "Client | Threads") -> int:
     try:
         return sum(client.nthreads().values())
     except Exception as error:
@@ -59,12 +62,12 @@ class Driver:
 
     Parameters
     ----------
-    client : distributed.Client
+    client : distributed.Client or Threads
     retried : callable
         Called whenever a lost task is submitted again.
     """
 
-    def __init__(self, client: Client, retried: Callable[[], None] = lambda: None) -> None:
+    def __init__(self, client: "Client | Threads", retried: Callable[[], None] = lambda: None) -> None:
         self.client, self.retried = client, retried
         self._lock = threading.Lock()
         self._jobs = 0
@@ -151,7 +154,7 @@ class Driver:
             window.close()
 
 
-def _receipts_of(future: Future) -> Receipts | Exception | None:
+def _receipts_of(future: "Future") -> Receipts | Exception | None:
     """Receipts of an ended call, or the error it ended with; None if its worker was lost."""
     if future.status == "finished":
         try:
@@ -226,7 +229,7 @@ class _Window:
             self.calls[future] = each
             future.add_done_callback(self.ended.put)
 
-    def wait(self) -> list[Future]:
+    def wait(self) -> "list[Future]":
         """Futures that have ended; none if none ends within a fifth of a second."""
         try:
             ended = [self.ended.get(timeout=_POLL_SECONDS)]
@@ -240,7 +243,7 @@ class _Window:
             raise ClusterFailed(_LOST)
         return ended
 
-    def take(self, ended: Sequence[Future]) -> list[tuple[Task, Any]]:
+    def take(self, ended: "Sequence[Future]") -> list[tuple[Task, Any]]:
         """Finished tasks and their receipts; lost ones are submitted again. Their futures are released at once."""
         taken: list[tuple[Task, Any]] = []
         again = []
@@ -259,7 +262,7 @@ class _Window:
         self.submit(again)
         return taken
 
-    def _receipts(self, ended: Sequence[Future]) -> list[Receipts | Exception | None]:
+    def _receipts(self, ended: "Sequence[Future]") -> list[Receipts | Exception | None]:
         """What each ended call left (`_receipts_of`); of those that finished in one message."""
         if all(future.status == "finished" for future in ended):
             try:
@@ -286,7 +289,7 @@ def _demand_another_try(task: Task, attempt: int, error: Exception | None) -> No
     _log.warning("%s is tried again", task)
 
 
-def _check_workers(client: Client, last_seen: float) -> float:
+def _check_workers(client: "Client | Threads", last_seen: float) -> float:
     """Time at which a worker was last known. Fails if there has been none for `_NO_WORKER_SECONDS`."""
     if client.status in ("closed", "closing", "connecting"):
         raise ClusterFailed(_LOST)

@@ -1,13 +1,22 @@
 """Settings of the Dask cluster, from the environment: shared by the service and the package `rattle`."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from pydantic import Field, PositiveInt, ValidationError, model_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
-from worker.cluster.certificates import Certificates
 from worker.errors import InvalidSettings
+
+
+@dataclass(frozen=True)
+class Certificates:
+    """Files that a part of a cluster needs: the authority's certificate, its own certificate, and its key."""
+
+    authority: Path
+    certificate: Path
+    key: Path
 
 
 class ClusterSettings(BaseSettings):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rattle_kernels import CellGrid, Oscillator, find_attractors
-from rattle_proof.enclosures import cells, growth, orbit_disc, quiet_core, rattling_set, windows
+from rattle_proof.enclosures import MOST_LEVELS, cells, growth, orbit_disc, quiet_core, rattling_set, windows
 from rattle_proof.enclosures.lattice import UNPROVEN, Lattice
 from rattle_proof.enclosures.machine import machine_of
 from rattle_proof.enclosures.targets import NO_QUIET, NOTHING_KNOWN, Targets, prove_targets
@@ -119,7 +119,7 @@ def test_cells_are_proven_with_pauses(counted, monkeypatch, levels, pieces):
 MOST_IMAGES = 32768
 
 
-@pytest.mark.parametrize("levels", range(cells.MOST_LEVELS + 1))
+@pytest.mark.parametrize("levels", range(MOST_LEVELS + 1))
 def test_cells_take_no_more_images_between_two_pauses_than_a_tenth_of_a_second(counted, monkeypatch, levels):
     monkeypatch.setattr(cells, "_prove_all", lambda *_: None)
     counted.count(cells, "_prove_all", lambda *arguments: arguments[5].size * 4**levels * cells.IMPACTS)

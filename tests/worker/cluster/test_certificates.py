@@ -13,8 +13,9 @@ import pytest
 from distributed import Client, LocalCluster, Security
 
 from tests.running_service import free_port
-from worker.cluster.certificates import Certificates, make_certificates
+from worker.cluster.certificates import make_certificates
 from worker.cluster.connection import connect, count_workers, local_cluster
+from worker.cluster.settings import Certificates
 from worker.errors import ClusterFailed
 
 

@@ -7,8 +7,8 @@ import pytest
 
 from rattle_kernels.numerics import jit
 from worker.cluster.calls import Compiling, Task
-from worker.cluster.connection import thread_cluster
 from worker.cluster.driver import Driver
+from worker.cluster.threads import threads_here
 from worker.progress import Progress, Stage
 
 _WAIT_SECONDS = 60.0
@@ -28,8 +28,8 @@ def double(location, digest, number):
 
 @pytest.fixture(scope="module")
 def driver():
-    with thread_cluster(1) as client:
-        yield Driver(client)
+    with threads_here(1) as threads:
+        yield Driver(threads)
 
 
 def test_a_job_whose_workers_compile_is_told_and_other_jobs_are_not(driver, monkeypatch):

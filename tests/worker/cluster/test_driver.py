@@ -11,8 +11,9 @@ from distributed import CancelledError, Client, Future
 from distributed.scheduler import KilledWorker
 
 from worker.cluster.calls import Task, stop_if_cancelled
-from worker.cluster.connection import _warn_of_settings, thread_cluster
+from worker.cluster.connection import _warn_of_settings
 from worker.cluster.driver import Driver, _Window
+from worker.cluster.threads import threads_here
 from worker.errors import JobCancelled, StoreConflict, StoreFailed, TileFailed
 
 
@@ -167,8 +168,8 @@ def always_fail(location, digest, number):
 
 def test_a_task_that_keeps_failing_is_tried_four_times(tmp_path):
     again, tasks = [], iter([Task(always_fail, 7)])
-    with thread_cluster(1) as client:
-        driver = Driver(client, lambda: again.append(1))
+    with threads_here(1) as threads:
+        driver = Driver(threads, lambda: again.append(1))
         with pytest.raises(TileFailed, match="always_fail 7 failed 4 times; the last time: OSError: out of luck"):
             list(driver.run_tasks((str(tmp_path / "tried"), "digest"), lambda: next(tasks, None), threading.Event()))
     assert len((tmp_path / "tried").read_text()) == 4 and len(again) == 3
@@ -185,30 +186,29 @@ def wait_for_ever(location, digest, number):
         Path(location, f"left-{number}").touch()
 
 
-def test_after_a_cancellation_scheduler_and_workers_hold_nothing_of_the_job(tmp_path):
-    with thread_cluster(2) as client:
-        driver, cancel, scheduler = Driver(client), threading.Event(), client.cluster.scheduler
-        numbers, held = iter(range(100)), []
+def test_after_a_cancellation_scheduler_and_workers_hold_nothing_of_the_job(client, tmp_path):
+    driver, cancel, scheduler = Driver(client), threading.Event(), client.cluster.scheduler
+    numbers, held = iter(range(100)), []
 
-        def cancel_when_both_have_begun():
-            while len(list(tmp_path.glob("began-*"))) < 2:
-                time.sleep(0.01)
-            held.append(len(scheduler.tasks))
-            cancel.set()
-
-        threading.Thread(target=cancel_when_both_have_begun, daemon=True).start()
-        with pytest.raises(JobCancelled):
-            list(driver.run_tasks((str(tmp_path), "digest"), lambda: Task(wait_for_ever, next(numbers)), cancel))
-        # Two run, two wait: a window is twice the threads.
-        assert held == [4] and next(numbers) == 4
-        # Nothing but the cancellation ends them.
-        patience = time.monotonic() + 60.0
-        while (scheduler.tasks or len(list(tmp_path.glob("left-*"))) < 2) and time.monotonic() < patience:
+    def cancel_when_both_have_begun():
+        while len(list(tmp_path.glob("began-*"))) < 2:
             time.sleep(0.01)
-        assert not scheduler.tasks and not any(each.processing for each in scheduler.workers.values())
-        assert {each.name for each in tmp_path.iterdir()} == {"began-0", "began-1", "left-0", "left-1"}
-        # Nor does the driver count the job any longer.
-        assert driver.share(4) == 4
+        held.append(len(scheduler.tasks))
+        cancel.set()
+
+    threading.Thread(target=cancel_when_both_have_begun, daemon=True).start()
+    with pytest.raises(JobCancelled):
+        list(driver.run_tasks((str(tmp_path), "digest"), lambda: Task(wait_for_ever, next(numbers)), cancel))
+    # Two run, two wait: a window is twice the threads.
+    assert held == [4] and next(numbers) == 4
+    # Nothing but the cancellation ends them.
+    patience = time.monotonic() + 60.0
+    while (scheduler.tasks or len(list(tmp_path.glob("left-*"))) < 2) and time.monotonic() < patience:
+        time.sleep(0.01)
+    assert not scheduler.tasks and not any(each.processing for each in scheduler.workers.values())
+    assert {each.name for each in tmp_path.iterdir()} == {"began-0", "began-1", "left-0", "left-1"}
+    # Nor does the driver count the job any longer.
+    assert driver.share(4) == 4
 
 
 @pytest.mark.parametrize(("saturation", "failures", "lines"), [(1.0, 1, 0), (1.1, 1, 1), (float("inf"), 3, 2)])

@@ -15,8 +15,8 @@ from rattle_kernels.cell_mapping.image_set import ImageSet
 from tests.forgetful_disk import ForgetfulDisk
 from tests.store_content import content
 from worker.basins import pipeline
-from worker.cluster.connection import thread_cluster
 from worker.cluster.driver import Driver
+from worker.cluster.threads import threads_here
 from worker.errors import StoreFailed
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.sample import Sample
@@ -48,9 +48,9 @@ CHANCES = (0.0, 1.0, 0.3, 0.5, 0.9)
 
 @pytest.fixture(scope="module")
 def threads():
-    """A cluster of this process, in which every sync is seen."""
-    with thread_cluster(2) as client:
-        yield client
+    """Threads of this process, in which every sync is seen."""
+    with threads_here(2) as threads:
+        yield threads
 
 
 @pytest.fixture
