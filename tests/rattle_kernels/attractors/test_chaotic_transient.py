@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from rattle_kernels import CellGrid, Oscillator, find_attractors, map_points, name_solutions, next_impacts
-from rattle_kernels.attractors.attractor import ENSEMBLE, Attractor, AttractorKind
-from rattle_kernels.attractors.chaotic_transient import follow_ensemble
+from rattle_kernels import CellGrid, Harmonic, Oscillator, find_attractors, map_points, name_solutions, next_impacts
+from rattle_kernels.attractors.attractor import ENSEMBLE, PERMANENT_CONTACT_ATTRACTOR, Attractor, AttractorKind
+from rattle_kernels.attractors.chaotic_transient import follow_ensemble, note_orbits
 from rattle_kernels.lanes.lyapunov import tangent_growth
 from rattle_kernels.lanes.tables import lane_tables
 from rattle_kernels.model.outcome import Outcome
@@ -32,9 +32,24 @@ def growth_by_products(oscillator, t, v, impacts):
     return growth, elapsed
 
 
-@pytest.mark.parametrize("oscillator", [IMPACTING, STIFF], ids=["impacting", "piecewise linear"])
-def test_tangent_vectors_grow_in_lanes_as_by_the_scalar_derivative(oscillator):
-    starts = np.array([0.553, 0.2, 0.7]), np.array([4.703, 3.0, 5.5])
+STARTS = [0.553, 0.2, 0.7], [4.703, 3.0, 5.5]
+# Damping times duration goes beyond 1, where the lanes' polynomials end.
+LONG = Oscillator(1.236, 0.33, 1.64)
+
+
+@pytest.mark.parametrize(
+    ("oscillator", "starts"),
+    [
+        pytest.param(IMPACTING, STARTS, id="impacting"),
+        pytest.param(STIFF, STARTS, id="piecewise linear"),
+        pytest.param(Oscillator(restitution=0.95), ([0.3268, 0.9796], [6.3564, 7.7634]), id="with losses"),
+        pytest.param(
+            Oscillator(eccentricity=0.08, harmonics=(Harmonic(2, 0.01, 0.1),)), ([0.0248], [8.7747]), id="harmonics"
+        ),
+        pytest.param(LONG, ([0.0256], [6.1787]), id="long flights"),
+    ],
+)
+def test_tangent_vectors_grow_in_lanes_as_by_the_scalar_derivative(oscillator, starts):
     together = tangent_growth(oscillator, *starts, 40)
     for at, start in enumerate(zip(*starts, strict=True)):
         growth, elapsed = growth_by_products(oscillator, *start, 40)
@@ -42,6 +57,33 @@ def test_tangent_vectors_grow_in_lanes_as_by_the_scalar_derivative(oscillator):
             assert together.elapsed[at] == pytest.approx(elapsed, rel=1e-9)
             assert together.growth[at] == pytest.approx(growth, rel=1e-6, abs=1e-6)
     assert np.isfinite(together.growth).any()
+    if oscillator is LONG:
+        assert (together.elapsed / 40 * LONG.damping > 1.2).all()
+
+
+@pytest.mark.parametrize("impacts", [1, 7, 8, 9, 100])
+def test_growth_adds_up_whenever_vectors_are_rescaled(impacts):
+    t, v = np.array([0.553]), np.array([4.703])
+    whole = tangent_growth(IMPACTING, t, v, impacts)
+    products = growth_by_products(IMPACTING, t[0], v[0], impacts)
+    assert whole.growth[0] == pytest.approx(products[0], rel=1e-6, abs=1e-6)
+    assert whole.elapsed[0] == pytest.approx(products[1], rel=1e-9)
+    landed = next_impacts(IMPACTING, t, v, 64 + impacts, shortcuts=False)
+    np.testing.assert_array_equal([whole.t, whole.v], [landed.t, landed.v])
+
+
+def test_members_that_approach_an_orbit_are_counted_with_it_and_the_others_are_not():
+    orbit = find_periodic_orbit(IMPACTING, 0.898, 3.77, 1, 5.5)
+    near = 1e-4 * np.arange(-3, 4)
+    t = np.append(orbit.t[0] + near, [CHAOTIC[0], 0.5])
+    v = np.append(orbit.v[0] + near, [CHAOTIC[1], 1e-3])
+    motions, members, asked = [PERMANENT_CONTACT_ATTRACTOR], [5], []
+    approach = note_orbits(IMPACTING, t, v, motions, members, lambda: asked.append(1))
+    assert approach.tolist() == [True] * 7 + [False] * 2
+    assert [motion.name for motion in motions] == ["permanent contact", "P(1,1,0)"] and members == [5, 7]
+    # A second call finds the orbit among the motions.
+    assert note_orbits(IMPACTING, t[:2], v[:2], motions, members, lambda: None).all()
+    assert len(motions) == 2 and members == [5, 9] and asked
 
 
 def test_the_exponent_of_a_periodic_orbit_is_that_of_its_multipliers():
