@@ -43,18 +43,36 @@ def beyond_small(job, **cores):
     return estimate(job, **cores).seconds - estimate(type(job)(**small, **fields), **cores).seconds
 
 
-def test_a_basin_takes_its_cells_times_k_at_the_measured_speed_on_all_cores():
-    applications = 100**2 * 1499
-    assert beyond_small(basin(100, iterations=1499)) == pytest.approx(applications / SPEED, rel=1e-5)
-    assert beyond_small(basin(100, iterations=1499), cores=4) == pytest.approx(applications / SPEED / 4, rel=1e-5)
+def test_a_basin_takes_its_cells_times_k_and_their_naming_at_the_measured_speed_on_all_cores():
+    # Of a hundred cells three land alone, and are named.
+    applications, stiffly = 100**2 * (1499 + 0.03 * 300), 100**2 * (1499 + 0.03 * 2500)
+    assert beyond_small(basin(100, iterations=1499)) == pytest.approx(applications / SPEED, rel=2e-4)
+    assert beyond_small(basin(100, iterations=1499), cores=4) == pytest.approx(applications / SPEED / 4, rel=2e-4)
     stiff = basin(100, iterations=1499, oscillator=Oscillator(stiffness=1e4))
-    assert beyond_small(stiff) == pytest.approx(2 * applications / SPEED, rel=1e-5)
+    assert beyond_small(stiff) == pytest.approx(2 * stiffly / SPEED, rel=2e-4)
 
 
-def test_a_sweep_takes_that_of_all_its_basins():
-    swept = sweep(3, 10)
-    assert beyond_small(swept) == pytest.approx(3 * beyond_small(basin(10, iterations=1499)), rel=1e-4)
-    assert estimate(swept).bytes == 3 * estimate(basin(10)).bytes
+@pytest.mark.parametrize("stiffness", [None, 1e4])
+def test_a_basin_whose_cells_are_mapped_once_takes_at_most_what_is_told_within_a_factor(stiffness, tmp_path):
+    """With k = 1 each cell lands elsewhere, so that naming is nearly all of the work."""
+    script = (
+        "import sys, time, rattle\n"
+        "stiffness, folder = eval(sys.argv[1]), sys.argv[2]\n"
+        "rattle.basin(cells=20, iterations=1, stiffness=stiffness, store=f'{folder}/small', progress=False)\n"
+        "begun = time.process_time()\n"
+        "rattle.basin(cells=500, iterations=1, stiffness=stiffness, store=f'{folder}/basin', progress=False)\n"
+        "took = time.process_time() - begun\n"
+        "grid = {'time': {'cells': 500}, 'velocity': {'cells': 500}}\n"
+        "model = {'model': 'piecewise_linear', 'stiffness': stiffness} if stiffness else {}\n"
+        "print(took, rattle.estimate(rattle.BasinJob(oscillator=model, grid=grid, iterations=1)).seconds)\n"
+    )
+    told = subprocess.run(
+        [sys.executable, "-c", script, repr(stiffness), tmp_path],
+        capture_output=True, text=True, check=True, timeout=110,
+    )  # fmt: skip
+    took, estimated = map(float, told.stdout.split())
+    # Processor time beside a speed in wall time: on a busy machine more is told.
+    assert took < estimated < 20.0 * took
 
 
 def sweep(values, cells):
@@ -116,7 +134,7 @@ def test_every_kind_has_an_estimate(kind):
 def test_nothing_is_measured_where_a_client_waits(monkeypatch):
     monkeypatch.setattr(estimates, "_measured", {})
     monkeypatch.setattr(estimates, "next_impacts", None)  # would compile
-    assert beyond_small(basin(100, iterations=1499), measuring=False) == pytest.approx(100**2 * 1499 / 1e7, rel=1e-5)
+    assert beyond_small(basin(100, iterations=1499), measuring=False) == pytest.approx(100**2 * 1508 / 1e7, rel=2e-4)
 
 
 @pytest.mark.parametrize("together", [True, False])
@@ -292,9 +310,10 @@ def test_a_loose_gear_is_told_to_take_as_much_longer_as_its_flights_do():
     below, beyond = (BasinJob.from_request(small | {"oscillator": {"eccentricity": eps}}) for eps in (0.1, 0.2))
     swept = SweepJob.from_request(small | {"vary": [{"parameter": "eccentricity", "values": [0.1, 0.2]}]})
     more = below.impacts * (9.0 / SPEED)
-    assert estimate(beyond).seconds - estimate(below).seconds == pytest.approx(more)
+    # What naming takes beside is less than a hundredth.
+    assert estimate(beyond).seconds - estimate(below).seconds == pytest.approx(more, rel=0.01)
     soft = {"model": "piecewise_linear", "stiffness": 1e4, "eccentricity": 0.2, "allow_no_quiet_solution": True}
     held = BasinJob.from_request(small | {"oscillator": soft})
-    assert estimate(held).seconds - estimate(below).seconds == pytest.approx(below.impacts * (49.0 / SPEED))
+    assert estimate(held).seconds - estimate(below).seconds == pytest.approx(below.impacts * (49.0 / SPEED), rel=0.01)
     # Of a sweep through the bound nobody counts which basins are loose: at most all are.
     assert estimate(swept).seconds > estimate(beyond).seconds
