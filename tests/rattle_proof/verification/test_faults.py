@@ -192,10 +192,9 @@ def test_a_box_that_comes_back_nowhere_is_found(wandering):
     for row, column in rattling[:: len(rattling) // 5].tolist():
         alone = np.zeros_like(lattice.ends)
         alone[row, column] = 1
-        faulty = Ends(subject.claims._replace(never_quiet=lattice._replace(ends=alone), discs=(), rattling=None))
-        faulty.claims = faulty.claims._replace(
-            lattice=faulty.claims.lattice._replace(ends=np.zeros_like(subject.claims.lattice.ends))
-        )
+        nowhere = subject.claims.lattice._replace(ends=np.zeros_like(lattice.ends))
+        claims = subject.claims._replace(never_quiet=lattice._replace(ends=alone), lattice=nowhere)
+        faulty = Ends(claims._replace(discs=(), windows=(), rattling=None))
         assert try_box_that_rattles(faulty, _TRAIL, row, column) is not None, (row, column)
 
 
