@@ -100,7 +100,7 @@ def _mend(found: "Findings", workers: int | None, scheduler: str | None, computi
     invalidate(found)
     if not found.complete:
         return
-    from rattle.local import run_here  # loads Dask, which a store without damage does without
+    from rattle.local import run_here  # loads tasks, which a store without damage does without
 
     run_here(found.job, found.location, computing, workers=workers, scheduler=scheduler)
 

@@ -107,7 +107,7 @@ def compute(
     if workers is not None and workers < 1:
         raise ValueError(f"workers must be 1 or more, not {workers}")
     if not is_complete(location, job.digest):
-        from rattle.local import run_here  # loads Dask, which a result that is kept does without
+        from rattle.local import run_here  # loads tasks, which a result that is kept does without
         from rattle.progress import console_for, progress_line
         from worker.kinds import KINDS
 
