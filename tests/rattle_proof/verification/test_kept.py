@@ -216,7 +216,10 @@ def test_all_cells_may_be_tried_and_the_command_says_what_was_tried_before(store
 
 @pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGKILL])
 def test_once_stopped_no_process_is_left_and_the_same_command_goes_on(large, folder, stop):
-    command = [sys.executable, "-c", "from rattle.cli import app; app()", "verify", large, "--boxes", "all"]
+    # Whoever runs tests in the background of a shell has Ctrl-C ignored, and what they start as well.
+    heeding = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+    code = f"{heeding}; from rattle.cli import app; app()"
+    command = [sys.executable, "-c", code, "verify", large, "--boxes", "all"]
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
     with subprocess.Popen(
         command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True
