@@ -229,7 +229,7 @@ _FAULTS = [
     (_CELLS, "following.py",
      "Followed(end, 0, end != targets.quiet)",
      "Followed(end, 0, True)"),
-    (_CELLS, "following.py",
+    (_CELLS, "targets.py",
      "end_of(targets.never_quiet, strip) != UNPROVEN",
      "end_of(targets.lattice, strip) == UNPROVEN"),
     (_CELLS, "cells.py",
