@@ -8,6 +8,7 @@ import contextlib
 import functools
 import gc
 import inspect
+import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, ParamSpec
@@ -34,19 +35,36 @@ _LARGE_SECONDS = 60.0
 _WHERE = ("store", "workers", "scheduler", "progress")
 
 
+class _Verbs:
+    """Verbs that are under way, in all threads, and the caller's thresholds of the garbage collector."""
+
+    def __init__(self) -> None:
+        self.lock, self.number = threading.Lock(), 0
+        self.thresholds = gc.get_threshold()
+
+
+_verbs = _Verbs()
+
+
 @contextlib.contextmanager
 def _with_fewer_collections() -> "Iterator[None]":
     """Look for cyclic garbage less often: of the seconds that libraries and kernels take to load it would take a fifth.
 
-    The caller's thresholds are back at the end. A caller whose threshold is higher, or who has switched it off, keeps
-    that.
+    The caller's thresholds are back when the last verb ends. A caller whose threshold is higher, or who has switched it
+    off, keeps that.
     """
-    before = gc.get_threshold()
-    gc.set_threshold(max(before[0], _OBJECTS_A_COLLECTION) if before[0] else 0, *before[1:])
+    with _verbs.lock:
+        _verbs.number += 1
+        if _verbs.number == 1:
+            _verbs.thresholds = first, *others = gc.get_threshold()
+            gc.set_threshold(max(first, _OBJECTS_A_COLLECTION) if first else 0, *others)
     try:
         yield
     finally:
-        gc.set_threshold(*before)
+        with _verbs.lock:
+            _verbs.number -= 1
+            if not _verbs.number:
+                gc.set_threshold(*_verbs.thresholds)
 
 
 @_with_fewer_collections()

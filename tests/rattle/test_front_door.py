@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 import rattle
-from rattle import local, names
+from rattle import local, names, verbs
 from rattle.progress import ProgressLine
 from worker.errors import JobCancelled, StoreConflict
 
@@ -60,6 +60,17 @@ def test_the_callers_thresholds_of_the_garbage_collector_are_back(threshold, tmp
     finally:
         gc.set_threshold(*before)
     assert set(seen) == {(max(threshold, 100_000) if threshold else 0, 11, 12)}
+
+
+def test_thresholds_are_back_when_the_last_of_overlapping_verbs_ends():
+    before = gc.get_threshold()
+    first, second = verbs._with_fewer_collections(), verbs._with_fewer_collections()
+    first.__enter__()
+    second.__enter__()
+    first.__exit__(None, None, None)  # the one that began first, as in another thread
+    assert gc.get_threshold() == (100_000, *before[1:])
+    second.__exit__(None, None, None)
+    assert gc.get_threshold() == before
 
 
 def test_a_result_is_kept_under_its_request(basin, kept):
