@@ -280,8 +280,12 @@ class _Window:
 
 
 def _demand_another_try(task: Task, attempt: int, error: Exception | None) -> None:
-    """Raise what ends the job after this attempt, if it is not worth another."""
-    if isinstance(error, WorkerError) and not (isinstance(error, StoreFailed) and attempt < _STORE_TRIES):
+    """Raise what ends the job after this attempt, if it is not worth another.
+
+    A task that was cancelled, though its driver waits for it, is one that the scheduler took for lost.
+    """
+    lost = isinstance(error, JobCancelled) or (isinstance(error, StoreFailed) and attempt < _STORE_TRIES)
+    if isinstance(error, WorkerError) and not lost:
         raise error
     if attempt >= _TRIES:
         reason = f"{type(error).__name__}: {error}" if error else "its worker was lost"

@@ -2,14 +2,15 @@
 
 Zarr finds out which parts of which chunks a write concerns, and hands each step to another thread. That takes longer
 than compressing a tile (docs/decisions/0043-whole-chunks.md). The bytes are those that Zarr writes: little endian, row
-by row, compressed by Zstandard, with their CRC-32C at the end.
+by row, compressed by Blosc as the array's metadata say, with their CRC-32C at the end.
 """
 
 from typing import Any
 
 import numpy as np
+from numcodecs.blosc import Blosc
 from numcodecs.zstd import Zstd
-from zarr.codecs import Crc32cCodec, ZstdCodec
+from zarr.codecs import BloscCodec, Crc32cCodec
 
 from worker.errors import DamagedChunk
 from worker.storage.checked_chunks import CHECKSUM_BYTES, CHUNKS, checksum_of, has_checksum
@@ -19,9 +20,8 @@ from worker.storage.protocol import Storage, whole
 # Zarr does not store this: a handle opened without it would delete chunks that equal the fill value.
 CONFIG = {"write_empty_chunks": True}
 # The checksum is of the compressed bytes, as they lie on the disk.
-CODECS = (ZstdCodec(level=0), Crc32cCodec())
-_COMPRESSION, _CHECKSUM = CODECS
-_ZSTD = Zstd(level=_COMPRESSION.level)
+CODECS = (BloscCodec(cname="lz4", clevel=5, shuffle="shuffle"), Crc32cCodec())
+_CHECKSUM = CODECS[-1]
 
 
 def write_chunk(storage: Storage, array: Any, numbers: str, values: np.ndarray) -> None:
@@ -45,7 +45,7 @@ def write_chunk(storage: Storage, array: Any, numbers: str, values: np.ndarray) 
         inside = tuple(map(slice, values.shape))
         values, part = np.full(chunk, array.fill_value, stored), values
         values[inside] = part
-    content: bytes = _ZSTD.encode(values)
+    content: bytes = _compression(array).encode(values)
     storage.write(_file(array, numbers), content + checksum_of(content) if _is_checked(array) else content)
 
 
@@ -77,7 +77,7 @@ def read_chunk(storage: Storage, array: Any, numbers: str, name: str) -> np.ndar
         content = content[:-CHECKSUM_BYTES]
     values = np.empty(array.chunks, array.dtype.newbyteorder("<"))
     try:
-        _ZSTD.decode(content, out=values)
+        _compression(array).decode(content, out=values)
     except (RuntimeError, ValueError) as error:  # only where there is no checksum
         raise DamagedChunk(name, array.path, numbers, "cannot be decompressed") from error
     return values.astype(array.dtype, copy=False)
@@ -110,6 +110,14 @@ def write_over(array: Any, index: tuple[int | slice, ...], values: np.ndarray) -
 
 def _file(array: Any, numbers: str) -> str:
     return f"{array.path}/{CHUNKS}/{numbers}"
+
+
+def _compression(array: Any) -> Blosc | Zstd:
+    """What compresses the chunks of an array: Zstandard in stores of layouts 3 and 4."""
+    codec = array.compressors[0]
+    if not isinstance(codec, BloscCodec):
+        return Zstd(level=codec.level)
+    return Blosc(codec.cname.value, codec.clevel, Blosc.SHUFFLE, codec.blocksize, codec.typesize)
 
 
 def _is_checked(array: Any) -> bool:

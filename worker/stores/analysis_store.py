@@ -34,9 +34,9 @@ from worker.stores.opening import (
 )
 from worker.stores.provenance import new_store_attributes, now
 
-ANALYSIS_LAYOUT_VERSION = 2
-# Chunks of layout 1 have no checksums.
-_READABLE_LAYOUTS = (1, ANALYSIS_LAYOUT_VERSION)
+ANALYSIS_LAYOUT_VERSION = 3
+# Chunks of layouts 1 and 2 are compressed by Zstandard, those of layout 1 without checksums.
+_READABLE_LAYOUTS = (1, 2, ANALYSIS_LAYOUT_VERSION)
 PARTS = "parts"
 """Group of the parts of an unfinished analysis."""
 _WHOLE = "whole"

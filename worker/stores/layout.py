@@ -16,9 +16,9 @@ from rattle_kernels import AttractorKind
 Columns = dict[str, np.ndarray]
 """Arrays by name."""
 
-LAYOUT_VERSION = 4
-READABLE_LAYOUTS = (3, LAYOUT_VERSION)
-"""Chunks of layout 3 have no checksums."""
+LAYOUT_VERSION = 5
+READABLE_LAYOUTS = (3, 4, LAYOUT_VERSION)
+"""Chunks of layouts 3 and 4 are compressed by Zstandard, those of layout 3 without checksums."""
 MISSING = -9
 """Fill value of all integer arrays: no cell number, group, period, step or index."""
 NOT_THERE = 255

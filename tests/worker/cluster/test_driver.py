@@ -43,6 +43,12 @@ def test_a_tile_whose_worker_could_not_reach_the_store_is_tried_once_more(client
     assert [len((tmp_path / name).read_text()) for name in ("once", "twice", "other")] == [2, 2, 1]
 
 
+def test_a_task_that_was_cancelled_while_its_driver_waits_is_submitted_again(client, tmp_path):
+    assert run(client, tmp_path / "place", 1, JobCancelled) == [7]
+    with pytest.raises(TileFailed, match="reach_store 7 failed 4 times; the last time: JobCancelled"):
+        run(client, tmp_path / "never", 4, JobCancelled)
+
+
 @pytest.mark.parametrize("lost", [KilledWorker("reach_store", None, 1), CancelledError("reach_store")], ids=repr)
 def test_a_receipt_that_died_with_its_worker_is_computed_again(client, tmp_path, monkeypatch, lost):
     result, refused = Future.result, []

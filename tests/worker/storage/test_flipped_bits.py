@@ -57,7 +57,7 @@ def chunks(store):
 def test_every_chunk_of_every_array_has_a_checksum(store):
     arrays = [json.loads(path.read_text()) for path in store.rglob("zarr.json")]
     codecs = [[codec["name"] for codec in each["codecs"]] for each in arrays if each["node_type"] == "array"]
-    assert len(codecs) > 25 and all(names[-2:] == ["zstd", "crc32c"] for names in codecs)
+    assert len(codecs) > 25 and all(names[-2:] == ["blosc", "crc32c"] for names in codecs)
 
 
 def test_a_flipped_bit_in_any_chunk_is_told_with_its_place(store):
@@ -144,7 +144,7 @@ def test_another_reader_sees_the_error_too(store):
 
 
 def test_a_store_without_checksums_opens_as_before(tmp_path):
-    shutil.unpack_archive(sorted(HERE.glob("*.zip"))[0], tmp_path)
+    shutil.unpack_archive(HERE / "zarr-3.1.6.zip", tmp_path)
     assert "crc32c" not in (tmp_path / "sweep" / "zarr.json").read_text()
     assert rattle.open(tmp_path / "sweep").load().solution.size and summarise(str(tmp_path / "sweep")).complete
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import zarr
 from numcodecs.zstd import Zstd
+from zarr.codecs import Crc32cCodec, ZstdCodec
 
 from worker.errors import DamagedChunk
 from worker.storage.chunks import CODECS, CONFIG, read_chunk, write_chunk
@@ -11,6 +12,10 @@ from worker.storage.location import storage_at
 
 TYPES = [(np.int8, -9), (np.uint8, 255), (np.int16, -9), (np.int32, -9), (np.int64, -9), (np.float64, np.inf)]
 SHAPE, CHUNKS = (2, 70, 50), (1, 40, 20)
+OF_LAYOUT_3 = (ZstdCodec(level=0),)
+LAYOUTS = pytest.mark.parametrize(
+    "codecs", [CODECS, (*OF_LAYOUT_3, Crc32cCodec()), OF_LAYOUT_3], ids=["layout 5", "layout 4", "layout 3"]
+)
 
 
 def array_at(location, dtype, fill, codecs=CODECS):
@@ -30,7 +35,7 @@ def some(dtype):
     return np.random.default_rng(1).integers(0, 100, SHAPE).astype(dtype)
 
 
-@pytest.mark.parametrize("codecs", [CODECS, CODECS[:1]], ids=["checked", "layout 3"])
+@LAYOUTS
 @pytest.mark.parametrize("dtype, fill", TYPES)
 def test_bytes_are_those_of_zarr(tmp_path, dtype, fill, codecs):
     values = some(dtype)
@@ -44,7 +49,7 @@ def test_bytes_are_those_of_zarr(tmp_path, dtype, fill, codecs):
         assert (tmp_path / "whole" / file).read_bytes() == (tmp_path / "zarr" / file).read_bytes()
 
 
-@pytest.mark.parametrize("codecs", [CODECS, CODECS[:1]], ids=["checked", "layout 3"])
+@LAYOUTS
 @pytest.mark.parametrize("dtype, fill", TYPES)
 def test_what_zarr_wrote_is_read(tmp_path, dtype, fill, codecs):
     array, values = array_at(tmp_path / "zarr", dtype, fill, codecs), some(dtype)
@@ -60,7 +65,7 @@ def test_what_zarr_wrote_is_read(tmp_path, dtype, fill, codecs):
 
 
 def test_what_is_not_there_is_none_and_what_cannot_be_decompressed_is_damaged(tmp_path):
-    array = array_at(tmp_path / "zarr", np.int16, -9, CODECS[:1])
+    array = array_at(tmp_path / "zarr", np.int16, -9, OF_LAYOUT_3)
     place = storage_at(str(tmp_path / "zarr"))
     assert read_chunk(place, array, "0/0/0", "name") is None
     whole = Zstd().encode(np.zeros(CHUNKS, np.int16))
