@@ -30,7 +30,7 @@ from rattle.remote.service import Service
 from rattle_kernels import warm_up
 
 HERE = Path(__file__).parent
-RATTLE = [sys.executable, "-c", "from rattle.cli import app; app()"]
+RATTLE = [sys.executable, "-c", "from rattle.cli import main; main()"]
 READY = "ready: "
 # Seconds, but for a machine that is busy with other work.
 START_SECONDS = 300.0

@@ -4,14 +4,13 @@ The shell's commands and the verbs of a connected service come from these functi
 them: ``import rattle`` loads neither Numba nor Dask, Zarr or xarray.
 """
 
-import contextlib
 import functools
-import gc
 import inspect
-import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, ParamSpec
+
+from rattle.garbage import fewer_collections
 
 if TYPE_CHECKING:
     import numpy as np
@@ -29,45 +28,11 @@ if TYPE_CHECKING:
     SweptQuantity = Sequence[float | str] | np.ndarray | tuple[float | str, float | str, int, str]
 
 _P = ParamSpec("_P")
-# Objects that come before garbage is looked for, in place of Python's 700 or 2,000.
-_OBJECTS_A_COLLECTION = 100_000
 _LARGE_SECONDS = 60.0
 _WHERE = ("store", "workers", "scheduler", "progress")
 
 
-class _Verbs:
-    """Verbs that are under way, in all threads, and the caller's thresholds of the garbage collector."""
-
-    def __init__(self) -> None:
-        self.lock, self.number = threading.Lock(), 0
-        self.thresholds = gc.get_threshold()
-
-
-_verbs = _Verbs()
-
-
-@contextlib.contextmanager
-def _with_fewer_collections() -> "Iterator[None]":
-    """Look for cyclic garbage less often: of the seconds that libraries and kernels take to load it would take a fifth.
-
-    The caller's thresholds are back when the last verb ends. A caller whose threshold is higher, or who has switched it
-    off, keeps that.
-    """
-    with _verbs.lock:
-        _verbs.number += 1
-        if _verbs.number == 1:
-            _verbs.thresholds = first, *others = gc.get_threshold()
-            gc.set_threshold(max(first, _OBJECTS_A_COLLECTION) if first else 0, *others)
-    try:
-        yield
-    finally:
-        with _verbs.lock:
-            _verbs.number -= 1
-            if not _verbs.number:
-                gc.set_threshold(*_verbs.thresholds)
-
-
-@_with_fewer_collections()
+@fewer_collections()
 def compute(
     job: "Job",
     *,
@@ -205,7 +170,7 @@ def _differs(value: Any, default: Any) -> bool:
     return getattr(value, "shape", ()) != () or bool(value != default)
 
 
-@_with_fewer_collections()
+@fewer_collections()
 def _computed(kind: str, arguments: dict[str, Any]) -> "xr.Dataset":
     """Compute the job that the arguments of a verb describe, or open its result."""
     from rattle.arguments import job_of

@@ -13,6 +13,7 @@ from rattle.arguments import job_of
 from rattle.cli.console import Scheduler, err, give_up, out, progress_line
 from rattle.cli.options import Values, arguments_from, option, options_of, with_options
 from rattle.cli.result_tables import print_result, what_is_missing
+from rattle.garbage import fewer_collections
 from rattle.local import run_here, usable_cores
 from rattle.verbs import VERBS
 from rattle_kernels import OutsideDomain
@@ -61,10 +62,11 @@ def compute_command(name: str) -> Callable[..., None]:
             give_up(str(error), 2)
         out.quiet |= as_json
         try:
-            if not is_complete(out_, job.digest):  # else nothing is started for a table that is there
-                _announce(job, workers, ask=not yes)
-                _compute(job, out_, workers, scheduler)
-            result = KINDS[job.kind].summarise(out_).model_dump(mode="json", exclude={"zarr"})
+            with fewer_collections():
+                if not is_complete(out_, job.digest):  # else nothing is started for a table that is there
+                    _announce(job, workers, ask=not yes)
+                    _compute(job, out_, workers, scheduler)
+                result = KINDS[job.kind].summarise(out_).model_dump(mode="json", exclude={"zarr"})
             print_result(job.kind, result, as_json=as_json)
         except JobCancelled:
             give_up(f"stopped; the same command goes on from what is in {out_}")

@@ -10,7 +10,8 @@ import pytest
 import xarray as xr
 
 import rattle
-from rattle import local, names, verbs
+from rattle import local, names
+from rattle.garbage import fewer_collections
 from rattle.progress import ProgressLine
 from worker.errors import JobCancelled, StoreConflict
 
@@ -64,7 +65,7 @@ def test_the_callers_thresholds_of_the_garbage_collector_are_back(threshold, tmp
 
 def test_thresholds_are_back_when_the_last_of_overlapping_verbs_ends():
     before = gc.get_threshold()
-    first, second = verbs._with_fewer_collections(), verbs._with_fewer_collections()
+    first, second = fewer_collections(), fewer_collections()
     first.__enter__()
     second.__enter__()
     first.__exit__(None, None, None)  # the one that began first, as in another thread

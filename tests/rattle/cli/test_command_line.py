@@ -30,7 +30,7 @@ SMALL = ["--cells", "24", "20", "--iterations", "101"]
 
 def rattle(*arguments):
     """A command in a process of its own."""
-    command = [sys.executable, "-c", "from rattle.cli import app; app()", *map(str, arguments)]
+    command = [sys.executable, "-c", "from rattle.cli import main; main()", *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, timeout=90)
 
 
@@ -431,6 +431,16 @@ def test_every_command_is_listed_as_it_describes_itself():
     for name, stand_in in listed.commands.items():
         _, command, _ = listed.resolve_command(None, [name])
         assert command.help.startswith(stand_in.help.rstrip(".")), name
+
+
+def test_a_command_ends_without_a_search_for_garbage():
+    """What is registered before is called after."""
+    look = "import atexit, gc; atexit.register(lambda: print(gc.get_freeze_count() > 0)); from rattle.cli import main; "
+    told = subprocess.run(
+        [sys.executable, "-c", f"import sys; sys.argv[1:] = ['--version']; {look} main()"],
+        capture_output=True, text=True, timeout=60,
+    )  # fmt: skip
+    assert told.stdout.split()[-1] == "True" and told.returncode == 0, told.stderr
 
 
 def test_commands_that_only_ask_load_no_kernels_and_no_cluster():
