@@ -20,7 +20,7 @@ Floors, the highest first; each imports from lower ones alone ::
     verbs | stores
     arguments | crate
     local | names | pictures | results
-    measured_curve | progress
+    garbage | measured_curve | progress
 """
 
 # ruff: noqa: F403, F405 - the names of `rattle.names` are those of its `__all__`

@@ -16,7 +16,7 @@ from benchmarks.suite.exact import exact_image
 from benchmarks.suite.measuring import measure, measure_all
 from benchmarks.suite.methods import METHODS, PLAIN, Method, hulls, images, plain_ends, plain_images
 from benchmarks.suite.report import Failed, Measured, Missing, read_run
-from benchmarks.suite.showing import draw, tables
+from benchmarks.suite.showing import _rate, _times, draw, tables
 from benchmarks.suite.workloads import (
     APPLICATIONS,
     OSCILLATOR,
@@ -279,3 +279,21 @@ def test_the_page_names_each_workload_and_method():
     text = PAGE.read_text()
     for name in {*WORKLOADS, *(method.name for method in METHODS)}:
         assert f"`{name}`" in text, name
+
+
+def test_the_pages_results_are_those_of_the_runs_beside_it():
+    rows = {}
+    for row in PAGE.read_text().split("\n## Results\n")[1].split("\n## ")[0].splitlines():
+        if row.startswith("| ") and not row.startswith("| work"):
+            work, method, *told = (cell.strip(" `") for cell in row.strip("|").split("|"))
+            rows[work, method] = told
+    run = read_run(ROOT / "docs" / "benchmarks-zen-5.json")
+    measured = {
+        (work, name): [_rate(told), _times(told.times_plain)]
+        for work, results in run.workloads.items()
+        for name in results.methods
+        if (told := run.measured(work, name))
+    }
+    assert rows == measured and len(rows) == sum(len(each.methods) for each in run.workloads.values())
+    for name, results in run.workloads.items():
+        assert results.sha256 == WORKLOADS[name].sha256
