@@ -11,6 +11,7 @@ from rattle_kernels.cell_mapping.image_set import members_of, unite, with_counts
 from tests.rattle_kernels.cell_mapping.test_cell_groups import direct_hsu
 from worker.basins.assembly import _kept_groups, assemble_groups, groups_of, places_of_images
 from worker.basins.tasks import _images, map_tile, survey_tile
+from worker.errors import StoreFailed
 from worker.jobs.basin_job import BasinJob
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import MAPPED
@@ -112,6 +113,18 @@ def test_groups_are_read_as_written_in_half_of_the_memory_where_they_fit(tmp_pat
     assert read.group.dtype == read.step.dtype == kept
     for one, other in zip(written[1:], read[1:], strict=True):
         np.testing.assert_array_equal(one, other)
+
+
+def test_lost_groups_are_not_taken_for_others(tmp_path):
+    """Zarr would say that every member has the fill value."""
+    store = _stored(tmp_path / "map.zarr", np.zeros(_GRID.shape, np.int64), Tiling(_GRID, 10, 12))
+    store.write_image_words(0, unite(_GRID.cells, [_receipt_of(store, 0).survey.image_set]).words)
+    store.write_groups(0, assemble_groups(store, 0))
+    assert store.read_groups(0).step.tolist() == [0]
+    (lost,) = (tmp_path / "map.zarr" / "assembly" / "step" / "c").rglob("0")
+    lost.unlink()
+    with pytest.raises(StoreFailed, match=r"map\.zarr has lost a part of assembly/step"):
+        store.read_groups(0)
 
 
 def test_who_stops_while_images_are_read_reads_no_more_tiles(tmp_path, monkeypatch):
