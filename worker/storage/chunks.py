@@ -115,9 +115,11 @@ def _file(array: Any, numbers: str) -> str:
 def _compression(array: Any) -> Blosc | Zstd:
     """What compresses the chunks of an array: Zstandard in stores of layouts 3 and 4."""
     codec = array.compressors[0]
-    if not isinstance(codec, BloscCodec):
-        return Zstd(level=codec.level)
-    return Blosc(codec.cname.value, codec.clevel, Blosc.SHUFFLE, codec.blocksize, codec.typesize)
+    # As it is stored: in some versions of Zarr names are members of an enumeration, in others strings.
+    stored = codec.to_dict()["configuration"]
+    if isinstance(codec, BloscCodec):
+        return Blosc(stored["cname"], stored["clevel"], Blosc.SHUFFLE, stored["blocksize"], stored["typesize"])
+    return Zstd(level=stored["level"])
 
 
 def _is_checked(array: Any) -> bool:
