@@ -77,8 +77,9 @@ def read_chunk(storage: Storage, array: Any, numbers: str, name: str) -> np.ndar
         content = content[:-CHECKSUM_BYTES]
     values = np.empty(array.chunks, array.dtype.newbyteorder("<"))
     try:
-        _compression(array).decode(content, out=values)
-    except (RuntimeError, ValueError) as error:  # only where there is no checksum
+        _decompress(_compression(array), content, values)
+    # Where there is no checksum, where the file is another chunk's, or where the metadata are those of another array.
+    except (RuntimeError, ValueError, LookupError) as error:
         raise DamagedChunk(name, array.path, numbers, "cannot be decompressed") from error
     return values.astype(array.dtype, copy=False)
 
@@ -120,6 +121,19 @@ def _compression(array: Any) -> Blosc | Zstd:
     if isinstance(codec, BloscCodec):
         return Blosc(stored["cname"], stored["clevel"], Blosc.SHUFFLE, stored["blocksize"], stored["typesize"])
     return Zstd(level=stored["level"])
+
+
+def _decompress(compression: Blosc | Zstd, content: np.ndarray, values: np.ndarray) -> None:
+    """Fill an array; `ValueError` if what was compressed has another length."""
+    if isinstance(compression, Zstd):
+        # Into too large an array it would fill the beginning, and say nothing.
+        values[...] = np.frombuffer(compression.decode(content), values.dtype).reshape(values.shape)
+        return
+    # So would Blosc, which trusts what its header says of both lengths.
+    decompressed, _, compressed = np.frombuffer(content[4:16].tobytes(), "<u4").tolist()
+    if (decompressed, compressed) != (values.nbytes, content.size):
+        raise ValueError(f"{decompressed} bytes of {compressed}, where {values.nbytes} of {content.size} are expected")
+    compression.decode(content, out=values)
 
 
 def _is_checked(array: Any) -> bool:

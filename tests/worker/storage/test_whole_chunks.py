@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 import zarr
+from numcodecs.blosc import Blosc
 from numcodecs.zstd import Zstd
-from zarr.codecs import Crc32cCodec, ZstdCodec
+from zarr.codecs import Crc32cCodec, GzipCodec, ZstdCodec
 
 from worker.errors import DamagedChunk
+from worker.storage.checked_chunks import checksum_of
 from worker.storage.chunks import CODECS, CONFIG, read_chunk, write_chunk
 from worker.storage.location import storage_at
 
@@ -69,7 +71,7 @@ def test_what_is_not_there_is_none_and_what_cannot_be_decompressed_is_damaged(tm
     place = storage_at(str(tmp_path / "zarr"))
     assert read_chunk(place, array, "0/0/0", "name") is None
     whole = Zstd().encode(np.zeros(CHUNKS, np.int16))
-    for content in (b"", whole[:-3], Zstd().encode(np.zeros(9999, np.int16))):
+    for content in (b"", whole[:-3], *(Zstd().encode(np.zeros(size, np.int16)) for size in (400, 799, 9999))):
         place.write("group/values/c/0/0/0", content)
         with pytest.raises(DamagedChunk, match="store name is damaged: tile 0/0/0 of group/values cannot be decompr"):
             read_chunk(place, array, "0/0/0", "name")
@@ -85,3 +87,23 @@ def test_a_flipped_bit_is_told(tmp_path, bit):
     file.write_bytes(content.tobytes())
     with pytest.raises(DamagedChunk, match="does not have its checksum"):
         read_chunk(place, array, "0/0/0", "name")
+
+
+@pytest.mark.parametrize("size", [0, 1, 400, 799, 801, 9999])
+def test_a_whole_chunk_of_another_length_is_told(tmp_path, size):
+    """Such as a file of another array, whose checksum is right."""
+    array, place = array_at(tmp_path / "zarr", np.int16, -9), storage_at(str(tmp_path / "zarr"))
+    content = Blosc("lz4", 5, Blosc.SHUFFLE).encode(np.arange(size, dtype=np.int16))
+    for own in (content, content[:6], b""):
+        place.write("group/values/c/0/0/0", own + checksum_of(own))
+        with pytest.raises(DamagedChunk, match="tile 0/0/0 of group/values cannot be decompressed"):
+            read_chunk(place, array, "0/0/0", "name")
+
+
+@pytest.mark.parametrize("codecs", [(), (GzipCodec(), Crc32cCodec()), (Crc32cCodec(),)], ids=["none", "gzip", "crc"])
+def test_a_chunk_that_its_metadata_do_not_describe_is_told(tmp_path, codecs):
+    array, place = array_at(tmp_path / "zarr", np.int16, -9), storage_at(str(tmp_path / "zarr"))
+    write_chunk(place, array, "0/0/0", some(np.int16)[0, :40, :20])
+    other = array_at(tmp_path / "other", np.int16, -9, codecs)
+    with pytest.raises(DamagedChunk, match="tile 0/0/0 of group/values cannot be decompressed"):
+        read_chunk(place, other, "0/0/0", "name")
