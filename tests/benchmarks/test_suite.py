@@ -294,6 +294,7 @@ def test_the_pages_results_are_those_of_the_runs_beside_it():
         for name in results.methods
         if (told := run.measured(work, name))
     }
+    assert f", {run.date}, " in PAGE.read_text()
     assert rows == measured and len(rows) == sum(len(each.methods) for each in run.workloads.values())
     for name, results in run.workloads.items():
         assert results.sha256 == WORKLOADS[name].sha256

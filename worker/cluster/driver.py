@@ -282,7 +282,7 @@ class _Window:
 def _demand_another_try(task: Task, attempt: int, error: Exception | None) -> None:
     """Raise what ends the job after this attempt, if it is not worth another.
 
-    A task that was cancelled, though its driver waits for it, is one that the scheduler took for lost.
+    A task may say that it was cancelled though its driver, which waits for it, has not cancelled it. It counts as lost.
     """
     lost = isinstance(error, JobCancelled) or (isinstance(error, StoreFailed) and attempt < _STORE_TRIES)
     if isinstance(error, WorkerError) and not lost:

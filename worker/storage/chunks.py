@@ -2,7 +2,7 @@
 
 Zarr finds out which parts of which chunks a write concerns, and hands each step to another thread. That takes longer
 than compressing a tile (docs/decisions/0043-whole-chunks.md). The bytes are those that Zarr writes: little endian, row
-by row, compressed by Blosc as the array's metadata say, with their CRC-32C at the end.
+by row, compressed as the array's metadata say, with their CRC-32C at the end.
 """
 
 from typing import Any

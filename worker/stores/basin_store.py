@@ -17,11 +17,11 @@ import numpy as np
 from rattle_kernels import CellGroups
 from rattle_kernels.cell_mapping.image_set import ImageSet, with_counts
 from worker.additions import asked_of
-from worker.errors import DamagedMetadata, OtherArrays, StoreConflict, StoreFailed, as_store_failure
+from worker.errors import DamagedMetadata, OtherArrays, StoreConflict, as_store_failure
 from worker.fence import Fence, unfenced
 from worker.jobs.basin_job import BasinJob, basin_job
 from worker.rounding import demand_same_rounding
-from worker.storage.chunks import read_chunk, write_chunk
+from worker.storage.chunks import write_chunk
 from worker.storage.location import storage_at
 from worker.stores import layout
 from worker.stores.layout import Variable
@@ -212,20 +212,13 @@ class BasinStore:
         numbers = np.empty((members.size, 2), np.int16)
         for column, variable in enumerate(layout.IMAGE_SET[:2]):
             for chunk, part in self._chunks(variable, basin, members.size):
-                some = self._read_chunk(variable, chunk)[: part.stop - part.start]
+                some = self.tiles.read_chunk(variable, chunk).ravel()[: part.stop - part.start]
                 fits = np.result_type(numbers, np.min_scalar_type(-1 - int(some.max())))
                 numbers = numbers.astype(fits, copy=False)
                 numbers[part, column] = some
         group, step = numbers.T
         period = self.arrays.read(layout.IMAGE_SET[2], *self.job.place_of(basin), slice(int(group.max(initial=0)) + 1))
         return CellGroups(members, group, step, period)
-
-    def _read_chunk(self, variable: Variable, chunk: str) -> np.ndarray:
-        with as_store_failure(self.location):
-            values = read_chunk(self._storage, self.arrays.array(variable), chunk, self.location)
-        if values is None:
-            raise StoreFailed(f"the store {self.location} has lost a part of {variable.path}")
-        return values.ravel()
 
     def _chunks(self, variable: Variable, basin: int, size: int) -> list[tuple[str, slice]]:
         """Chunks of a basin's first numbers in an array. Zarr copies what it reads of several at once."""

@@ -47,25 +47,31 @@ class TileArrays:
         StoreFailed
             If it cannot be read or is missing.
         """
-        return tuple(self._demand(variable, tile) for variable in variables)
+        return tuple(_within(self.read_chunk(each, self._chunk(tile)), tile) for each in variables)
 
-    def _demand(self, variable: Variable, tile: Tile) -> np.ndarray:
-        values = self.read_one(variable, tile)
+    def read_chunk(self, variable: Variable, numbers: str) -> np.ndarray:
+        """Read a chunk of any array, with all its dimensions. It must have been written.
+
+        Raises
+        ------
+        StoreFailed
+            If it cannot be read or is missing.
+        """
+        values = self._read(variable, numbers)
         if values is not None:
             return values
         if self._group.attrs["complete"]:
-            raise DamagedChunk(self._location, variable.path, self._chunk(tile), "is missing")
-        raise StoreFailed(f"the store {self._location} has lost a part of {variable.path}: {tile}")
+            raise DamagedChunk(self._location, variable.path, numbers, "is missing")
+        raise StoreFailed(f"the store {self._location} has lost a part of {variable.path}: chunk {numbers}")
 
     def read_one(self, variable: Variable, tile: Tile) -> np.ndarray | None:
         """One tile of one variable; None if it is not there."""
+        values = self._read(variable, self._chunk(tile))
+        return None if values is None else _within(values, tile)
+
+    def _read(self, variable: Variable, numbers: str) -> np.ndarray | None:
         with as_store_failure(self._location):
-            chunk = read_chunk(self._storage, self._arrays.array(variable), self._chunk(tile), self._location)
-        if chunk is None:
-            return None
-        rows, columns = (stop - start for start, stop in (tile.rows, tile.columns))
-        # Tiles at the upper edges are smaller than their chunk.
-        return np.ascontiguousarray(chunk.reshape(-1, chunk.shape[-1])[:rows, :columns])
+            return read_chunk(self._storage, self._arrays.array(variable), numbers, self._location)
 
     def read_cells(
         self, variable: Variable, basin: int, rows: tuple[int, int], columns: tuple[int, int], every: int
@@ -81,3 +87,9 @@ class TileArrays:
         if (values == variable.fill).any():
             raise StoreFailed(f"the store {self._location} has lost a part of {variable.path}")
         return values
+
+
+def _within(chunk: np.ndarray, tile: Tile) -> np.ndarray:
+    """Cells of a tile in its chunk, which is larger at the upper edges."""
+    rows, columns = (stop - start for start, stop in (tile.rows, tile.columns))
+    return np.ascontiguousarray(chunk.reshape(-1, chunk.shape[-1])[:rows, :columns])
