@@ -5,6 +5,7 @@ compiled when a job first needs them, and nothing else happens for a minute or s
 """
 
 import contextlib
+import contextvars
 import threading
 import time
 from abc import ABC, abstractmethod
@@ -87,6 +88,7 @@ class _OnWorker(Place):
 
         self._worker = get_worker()
         self._key = self._worker.get_current_task()
+        self._outside = contextvars.copy_context()
 
     def is_cancelled(self) -> bool:
         state = self._worker.state.tasks.get(self._key)
@@ -99,7 +101,9 @@ class _OnWorker(Place):
     def leave(self) -> None:
         from distributed import secede
 
-        secede()
+        # The event loop starts the next call in the context that this one leaves in. If that is its own, the next call
+        # takes this place for its place, and does not see that it is cancelled.
+        self._outside.run(secede)
 
 
 place: ContextVar[Place | None] = ContextVar("place", default=None)

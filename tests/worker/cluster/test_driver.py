@@ -217,6 +217,32 @@ def test_after_a_cancellation_scheduler_and_workers_hold_nothing_of_the_job(clie
     assert driver.share(4) == 4
 
 
+def wait_unless_first(location, digest, number):
+    """End at once on either of two workers; leave when cancelled on the next call there."""
+    if number > 1:
+        wait_for_ever(location, digest, number)
+
+
+def test_a_call_that_follows_another_on_its_worker_leaves_when_cancelled(client, tmp_path):
+    cancel, numbers = threading.Event(), iter(range(4))
+
+    def seen(what):
+        patience = time.monotonic() + 60.0
+        while len(list(tmp_path.glob(f"{what}-*"))) < 2 and time.monotonic() < patience:
+            time.sleep(0.01)
+        return {each.name for each in tmp_path.glob(f"{what}-*")}
+
+    def next_task():
+        number = next(numbers, None)
+        return None if number is None else Task(wait_unless_first, number)
+
+    threading.Thread(target=lambda: (seen("began"), cancel.set()), daemon=True).start()
+    with pytest.raises(JobCancelled):
+        list(Driver(client).run_tasks((str(tmp_path), "digest"), next_task, cancel))
+    assert seen("began") == {"began-2", "began-3"}
+    assert seen("left") == {"left-2", "left-3"}
+
+
 @pytest.mark.parametrize(("saturation", "failures", "lines"), [(1.0, 1, 0), (1.1, 1, 1), (float("inf"), 3, 2)])
 def test_a_scheduler_with_other_settings_is_warned_of(saturation, failures, lines, caplog):
     settings = {
