@@ -14,8 +14,8 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from cpuinfo import get_cpu_info
 
+from benchmarks import processor
 from benchmarks.waiting_workers import RUN_SECONDS, cluster_of, keep_busy
 from rattle_kernels import CellGrid
 from worker.cluster.connection import local_cluster
@@ -93,7 +93,7 @@ def main():
     measured[WAITING] = [(threads, seconds_of_waiting(threads)) for threads in THREADS]
     for name, series in measured.items():
         print(name, [f"{work:g}: {seconds:.3g} s" for work, seconds in series])
-    told = {"processor": get_cpu_info()["brand_raw"], "seconds": measured}
+    told = {"processor": processor(), "seconds": measured}
     (docs / "cost-against-work.json").write_text(json.dumps(told, indent=1) + "\n")
     draw(measured, docs / "pictures" / "cost-against-work.png")
 

@@ -6,8 +6,8 @@ eight flights, the instructions, the most-used port and its share of them, the c
 cycles that llvm-mca sees with a window of the processor's size, and the cycles of eight flights alone: the latency of
 their chain. At the end stand the cycles that a flight takes here, by a clock that a chain of dependent FMA tells.
 
-LLVM 22 has no model of Zen 5 of its own: for ``znver5`` it takes that of Zen 4, whose pipes are half as wide. What
-Zen 5 does with 512 bits Zen 4 does with 256, so there the registers are renamed to halves.
+LLVM 19 and 22 have no model of Zen 5: for ``znver5`` they take that of Zen 4, whose pipes are half as wide. What Zen 5
+does with 512 bits Zen 4 does with 256, so there the registers are renamed to halves.
 """
 
 import json
@@ -30,8 +30,8 @@ from rattle_kernels.lanes.lane_fields import LANES
 from rattle_kernels.lanes.run import run_lanes
 from rattle_kernels.numerics.jit import kernel
 
-_MODELS = "znver5", "sapphirerapids"
-_TOOLS = "llvm-mca-22", "llvm-mca-21", "llvm-mca-20", "llvm-mca-19", "llvm-mca"
+_MODELS = "znver5", "znver4", "sapphirerapids"
+_TOOLS = "llvm-mca-22", "llvm-mca-21", "llvm-mca-20", "llvm-mca-19"
 _COLUMNS = "loop", "instructions", "busiest port", "ports", "in a loop", "alone"
 _HALVES = (r"vextracti64x4 (.*)%ymm", r"vextracti128 \1%xmm"), (r"%zmm", "%ymm"), (r"{1to8}", "{1to4}")
 _ITERATIONS = 100
@@ -194,7 +194,7 @@ def main() -> None:
     """Estimate, measure and print."""
     tool = next(filter(shutil.which, _TOOLS), None)
     if tool is None:
-        print("llvm-mca is not there: install Debian's llvm-22, or another LLVM from 19 on, for the estimates")
+        print("llvm-mca is not there: install Debian's llvm-22, or another from 19 on, for the estimates")
     else:
         found = list(pieces(_machine_code()))
         for model in _MODELS:

@@ -2,7 +2,7 @@
 
 Both keep the last run of each processor.
 
-``python -m benchmarks.table RUN.json`` is what `make bench` ends with.
+``python -m benchmarks.table RUN.json`` is what `make bench` ends with, on the same machine.
 """
 
 import json
@@ -11,6 +11,8 @@ from collections.abc import Iterator
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
+
+from benchmarks import processor
 
 _DOCS = Path(__file__).parents[1] / "docs"
 _BEGIN, _END = "<!-- tables of make bench: begin -->", "<!-- end -->"
@@ -26,7 +28,7 @@ def condense(run: dict[str, Any]) -> dict[str, Any]:
     }
     return {
         "date": run["datetime"][:10],
-        "processor": machine["cpu"]["brand_raw"],
+        "processor": processor(),
         "cores": machine["cpu"]["count"],
         "python": machine["python_version"],
         "versions": {package: version(package) for package in _PACKAGES},
@@ -71,7 +73,7 @@ def main() -> None:
     page = _DOCS / "performance.md"
     before, rest = page.read_text().split(_BEGIN)
     _, after = rest.split(_END)
-    tables = "\n\n".join(section(runs[processor]) for processor in sorted(runs))
+    tables = "\n\n".join(section(runs[name]) for name in sorted(runs))
     page.write_text(f"{before}{_BEGIN}\n\n{tables}\n\n{_END}{after}")
 
 

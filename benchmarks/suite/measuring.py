@@ -9,8 +9,8 @@ from importlib.metadata import packages_distributions, version
 from pathlib import Path
 
 import numpy as np
-from cpuinfo import get_cpu_info
 
+from benchmarks import processor
 from benchmarks.suite.methods import PLAIN, Method
 from benchmarks.suite.report import FORMAT, Failed, Measured, Missing, Results, Run
 from benchmarks.suite.workloads import WORKLOADS, Workload
@@ -94,7 +94,7 @@ def measure_all(
     return Run(
         format=FORMAT,
         date=datetime.now(UTC).date().isoformat(),
-        processor=get_cpu_info()["brand_raw"],
+        processor=processor(),
         cores=usable_cores(),
         python=platform.python_version(),
         versions={package: version(package) for package in (*_VERSIONS, *sorted(needed))},

@@ -287,14 +287,19 @@ def test_the_pages_results_are_those_of_the_runs_beside_it():
         if row.startswith("| ") and not row.startswith("| work"):
             work, method, *told = (cell.strip(" `") for cell in row.strip("|").split("|"))
             rows[work, method] = told
-    run = read_run(ROOT / "docs" / "benchmarks-zen-5.json")
-    measured = {
-        (work, name): [_rate(told), _times(told.times_plain)]
-        for work, results in run.workloads.items()
-        for name in results.methods
-        if (told := run.measured(work, name))
+    runs = [read_run(ROOT / "docs" / f"benchmarks-zen-{generation}.json") for generation in (5, 4)]
+    methods = [(work, name) for work, results in runs[0].workloads.items() for name in results.methods]
+    found = {each: [run.measured(*each) for run in runs] for each in methods}
+    assert all(all(measured) for measured in found.values())
+    assert rows == {
+        each: [cell(told) for told in measured for cell in (_rate, lambda told: _times(told.times_plain))]
+        for each, measured in found.items()
     }
-    assert f", {run.date}, " in PAGE.read_text()
-    assert rows == measured and len(rows) == sum(len(each.methods) for each in run.workloads.values())
+    assert all(f"{run.date}, [" in PAGE.read_text() for run in runs)
+    assert len({run.processor for run in runs}) == 2
+    run, other = runs
+    assert {name: results.sha256 for name, results in other.workloads.items()} == {
+        name: results.sha256 for name, results in run.workloads.items()
+    }
     for name, results in run.workloads.items():
         assert results.sha256 == WORKLOADS[name].sha256
