@@ -1,6 +1,7 @@
 """Progress of long work: a bar on a terminal and in a notebook, plain lines where a command's output goes elsewhere."""
 
 import importlib.util
+import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -124,5 +125,9 @@ def progress_line(console: Console, unit: str = "tiles") -> Iterator[ProgressLin
         TimeRemainingColumn(), TextColumn("{task.fields[pace]}"),
     )  # fmt: skip
     notebook = console.is_jupyter
+    if notebook:
+        # What was printed a moment ago is still on its way, and the bar's place would catch it.
+        sys.stdout.flush()
+        sys.stderr.flush()
     with Bar(*columns, console=console, transient=notebook, auto_refresh=not notebook) as bar:
         yield ProgressLine(console, bar, unit)

@@ -40,7 +40,7 @@ from rattle_kernels.orbits.closure import OrbitShape, closure
 from rattle_kernels.orbits.orbit_equations import SpecialKind, special_system, unknowns
 
 # Turns of the leading terms before and while the exponent is taken.
-_SETTLING, _MEASURED = 2_000, 20_000
+_SETTLING, _BATCH, _BATCHES = 2_000, 10_000, 20
 
 
 class GrazeScenario(StrEnum):
@@ -233,6 +233,8 @@ class AttractorBeyond(NamedTuple):
     ----------
     exponent : float
         Largest Lyapunov exponent per turn. Positive: chaos.
+    exponent_error : float
+        Its standard error: that of the mean of batches of turns.
     impacts : float
         Impacts with -beta per turn, of the flight that touches.
     size : float
@@ -240,6 +242,7 @@ class AttractorBeyond(NamedTuple):
     """
 
     exponent: float
+    exponent_error: float
     impacts: float
     size: float
 
@@ -262,12 +265,12 @@ def attractor_beyond(graze: GrazeKind, distance: float) -> AttractorBeyond | Non
     """
     if not graze.attracts_beside:
         return None
-    depth, a = abs(graze.rate * distance), graze.acceleration
+    depth, a = float(abs(graze.rate * distance)), float(graze.acceleration)
     (xx, xv), (vx, vv) = graze.monodromy.tolist()
     x = v = 0.0
     along = (1.0, 0.0)
-    grown, impacts, highest = 0.0, 0, 0.0
-    for turn in range(_SETTLING + _MEASURED):
+    grown, impacts, highest = np.zeros(_BATCHES), 0, 0.0
+    for turn in range(-_SETTLING, _BATCH * _BATCHES):
         dx, dv = along
         # Height of the lowest point, where the flight passes -beta as if it were not there.
         lowest = x - depth - v * v / (2.0 * a)
@@ -281,8 +284,9 @@ def attractor_beyond(graze: GrazeKind, distance: float) -> AttractorBeyond | Non
         dx, dv = xx * dx + xv * dv, vx * dx + vv * dv
         length = math.hypot(dx, dv)
         along = (dx / length, dv / length)
-        if turn >= _SETTLING:
-            grown += math.log(length)
+        if turn >= 0:
+            grown[turn // _BATCH] += math.log(length) / _BATCH
             impacts += lowest < 0.0
             highest = max(highest, x - depth)
-    return AttractorBeyond(grown / _MEASURED, impacts / _MEASURED, highest)
+    error = float(grown.std(ddof=1)) / math.sqrt(_BATCHES)
+    return AttractorBeyond(float(grown.mean()), error, impacts / (_BATCH * _BATCHES), highest)

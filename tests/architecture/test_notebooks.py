@@ -11,6 +11,8 @@ from nbclient import NotebookClient
 
 NOTEBOOKS = sorted((Path(__file__).parents[2] / "notebooks").glob("*.ipynb"))
 ALLOWED = {"os", "rattle", "numpy", "matplotlib"}
+# nbclient tells the kernel what it has put into a bar's place, also after the bar has been taken away.
+LATE = re.compile(r"^No such comm: \w+\n", re.MULTILINE)
 WIDGET = "application/vnd.jupyter.widget-view+json"
 
 
@@ -26,7 +28,8 @@ def outputs_of(notebook):
         texts += ["".join(each.get("text", "") for each in shown), *listed]
         pictures.append(sum("image/png" in each.get("data", {}) for each in shown))
     # Kernels for harmonics may be compiled here for the first time, which is announced.
-    return [text for text in texts if text and not text.startswith("compiling the kernels")], pictures
+    texts = [LATE.sub("", text) for text in texts if not text.startswith("compiling the kernels")]
+    return [text for text in texts if text], pictures
 
 
 NUMBER = re.compile(r"-?\d+\.\d+(?:e[-+]\d+)?")
@@ -66,3 +69,25 @@ def test_a_notebook_shows_what_running_it_gives(path, service, monkeypatch, tmp_
     assert words == words_then and pictures == pictures_then
     # Orbits come from LAPACK, whose rounding differs from processor to processor; residuals are nothing else.
     assert found == pytest.approx(then, rel=1e-5, abs=1e-9)
+
+
+# What is printed is sent on after 0.2 s. A bar that is redrawn without a pause meanwhile would catch it.
+PRINTS = """
+import time
+from rich.console import Console
+from rattle.progress import progress_line
+print("before")
+with progress_line(Console(stderr=True)) as line:
+    begun = time.monotonic()
+    while time.monotonic() - begun < 0.5:
+        line.stage = ""
+        line.show("mapping", (1, 2))
+"""
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning")
+def test_what_a_cell_prints_before_a_bar_stays():
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(PRINTS)])
+    NotebookClient(notebook, timeout=60).execute()
+    (cell,) = notebook.cells
+    assert [each.text for each in cell.outputs if each.get("name") == "stdout"] == ["before\n"]

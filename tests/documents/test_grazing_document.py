@@ -61,7 +61,10 @@ def test_exponents_beyond_a_graze_are_as_printed():
     assert len(CHAOS) == 2
     for distance, leading, own, impacts in CHAOS:
         there = attractor_beyond(kind, float(distance))
-        assert (f"{there.exponent:.3f}", f"{there.impacts:.3f}") == (leading, impacts)
+        # Chaos takes another course where LAPACK rounds differently. Printed to three digits.
+        assert 0.0 < there.exponent_error < 0.001
+        assert there.exponent == pytest.approx(float(leading), abs=0.0005 + 5.0 * there.exponent_error)
+        assert there.impacts == pytest.approx(float(impacts), abs=0.001)
         beyond = point.oscillator.at(damping=point.value - float(distance))
         exponent, _ = exponent_of_the_map(beyond, float(point.t[0]), float(point.v[0]), 100_000)
         # Means over chaotic motion. Four of 5e4 applications each, from other starts, scatter by 0.0015 at most.
