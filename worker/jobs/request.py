@@ -1,7 +1,7 @@
 """Base of all requests: strict numbers, no unknown fields, and errors that name the field at fault."""
 
 import difflib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
@@ -107,12 +107,17 @@ def fault_of(item: Any) -> tuple[FieldPath, str]:
     message : str
     """
     error = item.get("ctx", {}).get("error")
-    place = tuple(part for part in item["loc"] if part not in UNION_TAGS)
+    if item["type"] in ("extra_forbidden", "unexpected_keyword_argument"):  # the second is a dataclass's
+        *inside, name = item["loc"]  # a name of the client's, which may be that of a tag
+        return (*_without_tags(inside), name), f"Extra inputs are not permitted{_hint(str(name))}"
+    place = _without_tags(item["loc"])
     if isinstance(error, InvalidJob):
         place += error.place
-    if item["type"] in ("extra_forbidden", "unexpected_keyword_argument"):  # the second is a dataclass's
-        return place, f"Extra inputs are not permitted{_hint(str(place[-1]))}"
     return place, item["msg"].removeprefix("Value error, ")
+
+
+def _without_tags(location: Sequence[str | int]) -> FieldPath:
+    return tuple(part for part in location if part not in UNION_TAGS)
 
 
 def _hint(name: str) -> str:

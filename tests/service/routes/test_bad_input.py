@@ -9,6 +9,8 @@ from tests.service.routes.problems import STIFF, assert_problem, left_behind
 REFUSED = [
     ({"colour": 1}, 422, "body.colour: Extra inputs are not permitted"),
     ({"iteration": 3}, 422, "body.iteration: Extra inputs are not permitted; did you mean iterations?"),
+    ({"impacting": 1}, 422, "body.impacting: Extra inputs are not permitted"),
+    ({"oscillator": {"piecewise_linear": 1}}, 422, "body.oscillator.piecewise_linear: Extra inputs are not permitted"),
     ({"oscillator": {"dampning": 0.6}}, 422, "dampning: Extra inputs are not permitted; did you mean damping?"),
     ({"oscillator": {"dampnig": 0.5}}, 422, "dampnig"),
     ({"oscillator": {"damping": "much"}}, 422, "body.oscillator.damping: Input should be a valid number"),
