@@ -79,8 +79,10 @@ ORDINARY = [
 """One of each sort: what they load, a service has once, and not because of hostile ones."""
 CHECK_BYTES = 100_000_000
 """A check of a million values: numbers of 24 bytes and their places in lists of 8, up to three times over."""
-KEPT_BYTES, OF_A_MILLION = 32_000_000, 5
-"""Were one request's values kept; and requests that have as many."""
+KEPT_BYTES = 32_000_000
+"""A million values, once."""
+OF_A_MILLION = 5
+"""Requests that have as many, and are not refused."""
 CHECKED_AT_ONCE = 3
 """Two at first, and one that takes longer."""
 
@@ -141,7 +143,7 @@ def test_hostile_requests_keep_nobody_waiting(a_service, health):
         statuses = {name: answer.status_code for name, answer in answers.items()}
         print(json.dumps({"longest ms": max(waited), "statuses": statuses, "bytes": [grown, kept]}))
         assert all(status in (200, 202, 400, 422, 429) for status in statuses.values()), statuses
-        assert {name: answer.status_code for name, answer in again.items()} == statuses
+        assert {answer.status_code for answer in again.values()} <= {200, 202, 400, 422, 429}
         assert all("retry-after" in answer.headers for answer in answers.values() if answer.status_code == 429)
         assert all(len(page.content) < 8_000_000 for page in listed)
         accepted = answers["a million values"].json()
