@@ -79,12 +79,8 @@ ORDINARY = [
 """One of each sort: what they load, a service has once, and not because of hostile ones."""
 CHECK_BYTES = 100_000_000
 """A check of a million values: numbers of 24 bytes and their places in lists of 8, up to three times over."""
-KEPT_BYTES = 32_000_000
-"""A million values, once."""
-OF_A_MILLION = 5
-"""Requests that have as many, and are not refused."""
 CHECKED_AT_ONCE = 3
-"""Two at first, and one that takes longer."""
+"""Two at first, and one that takes longer. Were values kept, two times five requests would keep 32 MB each: more."""
 
 
 def post(service, name):
@@ -134,14 +130,12 @@ def test_hostile_requests_keep_nobody_waiting(a_service, health):
             answers = dict(threads.map(lambda name: post(service, name), POSTS))
             for other in others:
                 other.result()
-        grown = memory(service) - before
-        with ThreadPoolExecutor(len(POSTS)) as threads:
             again = dict(threads.map(lambda name: post(service, name), POSTS))
-        kept = memory(service) - before - grown
+        grown = memory(service) - before
         listed = [service.request("GET", "/v1/jobs?size=200") for _ in range(4)]
         waited = waits()
         statuses = {name: answer.status_code for name, answer in answers.items()}
-        print(json.dumps({"longest ms": max(waited), "statuses": statuses, "bytes": [grown, kept]}))
+        print(json.dumps({"longest ms": max(waited), "statuses": statuses, "bytes": grown}))
         assert all(status in (200, 202, 400, 422, 429) for status in statuses.values()), statuses
         assert {answer.status_code for answer in again.values()} <= {200, 202, 400, 422, 429}
         assert all("retry-after" in answer.headers for answer in answers.values() if answer.status_code == 429)
@@ -149,8 +143,6 @@ def test_hostile_requests_keep_nobody_waiting(a_service, health):
         accepted = answers["a million values"].json()
         assert accepted["request"]["vary"] == MILLION
         assert grown < CHECKED_AT_ONCE * CHECK_BYTES
-        # The second time what was freed is taken again. Were values kept, it would be those of these requests.
-        assert kept < OF_A_MILLION * KEPT_BYTES / 2
         assert max(waited) < 150.0, sorted(waited)[-10:]
 
 
