@@ -127,20 +127,19 @@ def test_hostile_requests_keep_nobody_waiting(a_service, health):
         with ThreadPoolExecutor(len(POSTS) + 8) as threads:
             others = [threads.submit(slow_body, port), threads.submit(pipelined, port)]
             others += [threads.submit(service.request, "GET", table) for _ in range(4)]
-            answers = dict(threads.map(lambda name: post(service, name), POSTS))
+            answers = list(threads.map(lambda name: post(service, name), POSTS))
             for other in others:
                 other.result()
-            again = dict(threads.map(lambda name: post(service, name), POSTS))
+            answers += threads.map(lambda name: post(service, name), POSTS)
         grown = memory(service) - before
         listed = [service.request("GET", "/v1/jobs?size=200") for _ in range(4)]
         waited = waits()
-        statuses = {name: answer.status_code for name, answer in answers.items()}
+        statuses = [(name, answer.status_code) for name, answer in answers]
         print(json.dumps({"longest ms": max(waited), "statuses": statuses, "bytes": grown}))
-        assert all(status in (200, 202, 400, 422, 429) for status in statuses.values()), statuses
-        assert {answer.status_code for answer in again.values()} <= {200, 202, 400, 422, 429}
-        assert all("retry-after" in answer.headers for answer in answers.values() if answer.status_code == 429)
+        assert {status for _, status in statuses} <= {200, 202, 400, 422, 429}, statuses
+        assert all("retry-after" in answer.headers for _, answer in answers if answer.status_code == 429)
         assert all(len(page.content) < 8_000_000 for page in listed)
-        accepted = answers["a million values"].json()
+        accepted = dict(reversed(answers))["a million values"].json()  # of the first wave: the second may get 429
         assert accepted["request"]["vary"] == MILLION
         assert grown < CHECKED_AT_ONCE * CHECK_BYTES
         assert max(waited) < 150.0, sorted(waited)[-10:]
